@@ -1,0 +1,35 @@
+"""Action sequences: Seq(M), its composition, and random permutations (paper, sections II-B and II-D).
+
+A sequence is a float64 array of shape (steps, n_dofs), each element in [-1, 1]; an action on one degree of freedom has zeros elsewhere.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def sample_sequence(rng: np.random.Generator, length: int, dof: int, n_dofs: int) -> np.ndarray:
+    """A sequence in Seq(M_k): `length` actions, uniform in [-1, 1], on the degree of freedom number `dof`; float64 (length, n_dofs)."""
+    sequence = np.zeros((length, n_dofs))
+    sequence[:, dof] = rng.uniform(-1.0, 1.0, length)
+    return sequence
+
+
+def permute(rng: np.random.Generator, sequence: np.ndarray) -> np.ndarray:
+    """The same actions in a random order: h_p of definition 3."""
+    return sequence[rng.permutation(len(sequence))]
+
+
+def compose(first: np.ndarray, *following: np.ndarray) -> np.ndarray:
+    """Play `first`, then what follows: the paper's composition, read from left to right in the order of time."""
+    return np.concatenate([first, *following])
+
+
+def no_op(length: int, n_dofs: int) -> np.ndarray:
+    """The identity of Seq(M): `length` actions that command nothing."""
+    return np.zeros((length, n_dofs))
+
+
+def inverse(sequence: np.ndarray) -> np.ndarray:
+    """The opposite actions in the opposite order: undoes `sequence` where nothing in the environment is irreversible."""
+    return -sequence[::-1]
