@@ -1,0 +1,58 @@
+"""Long work in batches, so that a kill loses the batch at hand and nothing else."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+from tqdm import tqdm
+
+from .config import Config
+from .errors import TableError
+from .tables import read_table, write_table
+
+Compute = Callable[[int, int], pd.DataFrame]
+"""The rows of units start <= i < stop; what it returns may not depend on how units are cut into batches."""
+
+
+def in_batches(name: str, compute: Compute, start: int, stop: int, out: Path, config: Config, settings: str, batch: int = 100) -> pd.DataFrame:
+    """Compute units `start` to `stop`, keeping finished batches beside `out` until all is done.
+
+    Parameters
+    ----------
+    name : str
+        The table that `compute` gives rows of.
+    out : Path
+        The file that the caller will write; finished batches lie in a folder named after it, which :func:`forget_batches` removes.
+    settings : str
+        All that the rows depend on; batches of other settings are thrown away.
+    batch : int
+        Units in a batch; some seconds of work.
+    """
+    folder = _folder(out)
+    kept = folder / hashlib.sha256(settings.encode()).hexdigest()[:16]
+    for stale in [p for p in folder.glob("*") if p != kept]:
+        shutil.rmtree(stale) if stale.is_dir() else stale.unlink()
+    frames = []
+    bounds = [(low, min(low + batch, stop)) for low in range(start, stop, batch)]
+    for low, high in tqdm(bounds, desc=out.stem, unit="batch", disable=None, leave=False):
+        path = kept / f"{low:08d}-{high:08d}.parquet"
+        try:
+            frame = read_table(name, path)
+        except TableError:
+            frame = compute(low, high)
+            write_table(name, frame, path, config)
+        frames.append(frame)
+    return pd.concat(frames, ignore_index=True)
+
+
+def forget_batches(out: Path) -> None:
+    """Remove the batches kept for `out`, now that it is written."""
+    shutil.rmtree(_folder(out), ignore_errors=True)
+
+
+def _folder(out: Path) -> Path:
+    return out.with_name(f".{out.name}.batches")

@@ -1,0 +1,290 @@
+"""The configuration: what can be set, within which limits, and why a wrong setting is refused.
+
+One typed model per stage; unknown keys are refused; what depends on several keys is checked when the configuration is loaded. The JSON schema in
+``config/schema.json`` is generated from these models (``sensory-commutativity schema``), and a test fails when they drift apart.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError, model_validator
+
+from .errors import ConfigError
+
+Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$", max_length=40)]
+"""Lower-case letters and digits, words joined by hyphens: names become parts of file names."""
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class AgentConfig(_Section):
+    """How an agent differs from the standard Polyphemus. An empty section is the standard one."""
+
+    arm_length: float = Field(50.0, gt=0, le=150, description="Length of each of an arm's two segments, units (authors: 50).")
+    longitudinal_speed: float = Field(8.0, gt=0, le=30, description="How far an action of 1 moves the base in one step, units.")
+    angular_speed: float = Field(0.25, gt=0, le=0.5, description="How far an action of 1 turns base, head or joint, rad (authors: 0.25).")
+    joint_range_degrees: float | None = Field(
+        None, gt=0, le=360, description="Stops of the arm joints, either way from rest, degrees; null for none (authors: 60)."
+    )
+
+
+class WorldConfig(_Section):
+    """A kind of room. Start situations are drawn anew for every experiment."""
+
+    things: int = Field(10, ge=0, le=24, description="How many things stand in the room; in every four one is fixed, two movable, one moving.")
+    walls: bool = Field(True, description="False: unbounded space.")
+    width: float = Field(600.0, ge=200, le=5000, description="Units (authors: 600).")
+    height: float = Field(800.0, ge=200, le=5000, description="Units (authors: 800).")
+    start_margin: float = Field(150.0, ge=40, le=1000, description="Least distance of the agent's middle from every wall at the start, units.")
+    path_speed: float = Field(2.0, ge=0, le=20, description="Speed of the moving things, units per step.")
+
+    @model_validator(mode="after")
+    def _start_fits(self) -> WorldConfig:
+        if self.walls and 2 * self.start_margin >= min(self.width, self.height):
+            raise ValueError(
+                f"start_margin {self.start_margin:g} leaves no place to start in a room of {self.width:g} x {self.height:g}; "
+                f"set it below {min(self.width, self.height) / 2:g}"
+            )
+        return self
+
+
+class ReferenceConfig(_Section):
+    """The SCP of every degree of freedom, the paper's main figure in 2-D."""
+
+    world: Name = Field("furnished", description="A key of flatland.worlds.")
+    agent: Name = Field("polyphemus", description="A key of flatland.agents.")
+    experiments: int = Field(ge=2, le=1_000_000, description="SC-experiments per degree of freedom.")
+
+
+class GroupConfig(_Section):
+    """Every agent in every world."""
+
+    worlds: list[Name] = Field(min_length=1, description="Keys of flatland.worlds.")
+    agents: list[Name] = Field(min_length=1, description="Keys of flatland.agents.")
+    experiments: int = Field(ge=2, le=1_000_000, description="SC-experiments per degree of freedom.")
+
+
+class SensitivityConfig(_Section):
+    """Other sequence lengths, in the reference world with the reference agent."""
+
+    lengths: list[Annotated[int, Field(ge=1, le=2000)]] = Field(min_length=1, description="Numbers of actions.")
+    experiments: int = Field(ge=2, le=1_000_000, description="SC-experiments per degree of freedom and length.")
+
+
+class CommutationConfig(_Section):
+    """Philipona's conjecture: does a sequence of one degree of freedom commute with one of another?"""
+
+    experiments: int = Field(ge=2, le=1_000_000, description="Experiments per pair of degrees of freedom.")
+
+
+class BaselinesConfig(_Section):
+    """The paper's two alternatives to the SCP (appendix A)."""
+
+    transitions: int = Field(ge=100, le=10_000_000, description="Transitions per degree of freedom (paper: 100,000).")
+    training: int = Field(ge=50, le=10_000_000, description="How many of them train the network; the rest test it (paper: 80,000).")
+    epochs: int = Field(20, ge=1, le=1000, description="Passes over the training transitions (the paper is silent).")
+    batch_size: int = Field(256, ge=1, le=100_000, description="Transitions per gradient step (the paper is silent).")
+    learning_rate: float = Field(1e-3, gt=0, le=1, description="Of Adam (the paper is silent).")
+
+    @model_validator(mode="after")
+    def _some_left_to_test(self) -> BaselinesConfig:
+        if self.training >= self.transitions:
+            raise ValueError(f"training {self.training} leaves none of {self.transitions} transitions to test; set it lower")
+        return self
+
+
+class Run(NamedTuple):
+    """SC-experiments of all degrees of freedom of an agent in a world."""
+
+    world: str
+    agent: str
+    length: int
+    experiments: int
+
+
+class FlatlandConfig(_Section):
+    """Everything in two dimensions (paper, section III-A and appendices A and B)."""
+
+    sequence_length: int = Field(50, ge=1, le=2000, description="Actions in a sequence (authors: 50).")
+    rest_steps: int = Field(3, ge=0, le=100, description="Steps without a command that end each sequence.")
+    thresholds: list[Annotated[float, Field(ge=0)]] = Field(
+        [0.0, 1.0, 10.0, 100.0, 1000.0], min_length=1, description="Distances up to which two observations count as equal; the first is the main one."
+    )
+    agents: dict[Name, AgentConfig] = Field(min_length=1)
+    worlds: dict[Name, WorldConfig] = Field(min_length=1)
+    reference: ReferenceConfig
+    free_space: GroupConfig
+    combinations: GroupConfig
+    variants: GroupConfig
+    sensitivity: SensitivityConfig
+    commutation: CommutationConfig
+    baselines: BaselinesConfig
+    experiments_per_job: int = Field(2500, ge=1, le=1_000_000, description="How experiments are cut into jobs; changes no result.")
+
+    @model_validator(mode="after")
+    def _names_are_known(self) -> FlatlandConfig:
+        for section in ("free_space", "combinations", "variants"):
+            group: GroupConfig = getattr(self, section)
+            for kind, names in (("worlds", group.worlds), ("agents", group.agents)):
+                for name in names:
+                    _known(name, getattr(self, kind), f"{section}.{kind}", f"flatland.{kind}")
+                if len(set(names)) < len(names):
+                    raise ValueError(f"{section}.{kind} names one of {names} twice; remove one")
+        _known(self.reference.world, self.worlds, "reference.world", "flatland.worlds")
+        _known(self.reference.agent, self.agents, "reference.agent", "flatland.agents")
+        for name in self.free_space.worlds:
+            if self.worlds[name].walls or self.worlds[name].things:
+                raise ValueError(f"free_space.worlds names {name!r}, which has walls or things; give it walls: false and things: 0")
+        if self.sequence_length in self.sensitivity.lengths:
+            raise ValueError(f"sensitivity.lengths holds the main sequence_length {self.sequence_length}, which is always there; remove it")
+        if self.baselines.transitions % self.sequence_length or self.baselines.training % self.sequence_length:
+            raise ValueError(
+                f"baselines.transitions and baselines.training must be multiples of sequence_length {self.sequence_length}: "
+                "whole sequences are for training or for testing"
+            )
+        if 0.0 not in self.thresholds:
+            raise ValueError("thresholds must hold 0.0, the threshold of the paper's 2-D results; add it")
+        repeated = [run[:3] for run in self.runs()]
+        for run in repeated:
+            if repeated.count(run) > 1:
+                raise ValueError(f"{run[1]!r} in {run[0]!r} is asked for by two sections; leave it out of one")
+        return self
+
+    @property
+    def commutation_per_job(self) -> int:
+        """How many commutation experiments make a job: each plays the 36 pairs of 8 degrees of freedom, about ten times an SC-experiment's work."""
+        return max(1, self.experiments_per_job // 10)
+
+    def runs(self) -> list[Run]:
+        """All SC-experiments, in the order of the sections."""
+        return list(self._runs())
+
+    def _runs(self) -> Iterator[Run]:
+        reference = self.reference
+        yield Run(reference.world, reference.agent, self.sequence_length, reference.experiments)
+        for group in (self.free_space, self.combinations, self.variants):
+            for world in group.worlds:
+                for agent in group.agents:
+                    yield Run(world, agent, self.sequence_length, group.experiments)
+        for length in self.sensitivity.lengths:
+            yield Run(reference.world, reference.agent, length, self.sensitivity.experiments)
+
+
+class Config(_Section):
+    """The whole configuration."""
+
+    profile: Name = Field(description="Name of the run; results lie in a folder of this name.")
+    results: str = Field("results", min_length=1, max_length=200, description="Folder that holds the results of all profiles.")
+    seed: int = Field(ge=0, lt=2**63, description="The root seed; everything random follows from it.")
+    flatland: FlatlandConfig
+
+    @property
+    def folder(self) -> Path:
+        """Where this run's results lie."""
+        return Path(self.results) / self.profile
+
+    def digest(self) -> str:
+        """SHA-256 of all settings, hexadecimal; the same however the file is written."""
+        return hashlib.sha256(json.dumps(self.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
+
+
+def _known(name: str, known: dict[str, Any], key: str, where: str) -> None:
+    if name not in known:
+        raise ValueError(f"{key} names {name!r}, which {where} does not define; choose one of {', '.join(known)}, or define it")
+
+
+def validate(settings: Any) -> Config:
+    """Check settings (what a YAML file holds) and return them typed. Raises ConfigError with one line that names the key and the remedy."""
+    if not isinstance(settings, dict):
+        raise ConfigError(f"config: expected a mapping of keys to values, got {type(settings).__name__}; see config/README.md")
+    try:
+        text = json.dumps(settings, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise ConfigError(f"config: holds a value that is no number, text, list or mapping ({error}); see config/README.md") from None
+    try:
+        return Config.model_validate_json(text)
+    except ValidationError as error:
+        raise ConfigError(_explain(error)) from None
+
+
+def _explain(error: ValidationError) -> str:
+    problems = error.errors(include_url=False)
+    first = problems[0]
+    key = ".".join(str(part) for part in first["loc"] if part != "[key]") or "config"
+    if first["type"] == "extra_forbidden":
+        message = f"unknown key; {_suggest(first['loc'])}"
+    elif first["type"] == "missing":
+        message = "this key is missing; add it (see config/README.md)"
+    elif first["type"] == "value_error":
+        message = str(first["ctx"]["error"])
+    else:
+        message = f"{first['msg'][0].lower()}{first['msg'][1:]}, got {_short(first['input'])}; set a value in that range (see config/README.md)"
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    return f"config: {key}: {message}{more}"
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _suggest(location: tuple[str | int, ...]) -> str:
+    """What the unknown key at `location` may have been meant to be."""
+    model: Any = Config
+    for part in location[:-1]:
+        if isinstance(model, type) and issubclass(model, BaseModel):
+            model = model.model_fields[str(part)].annotation
+        elif getattr(model, "__args__", None):
+            model = model.__args__[-1]
+    known = list(model.model_fields) if isinstance(model, type) and issubclass(model, BaseModel) else []
+    close = difflib.get_close_matches(str(location[-1]), known, 1)
+    return f"did you mean {close[0]!r}?" if close else f"known here are {', '.join(known)}"
+
+
+def merge(base: dict[str, Any], overlay: dict[str, Any]) -> dict[str, Any]:
+    """`base` with the values of `overlay` put over it, mapping by mapping."""
+    merged = dict(base)
+    for key, value in overlay.items():
+        both = isinstance(value, dict) and isinstance(merged.get(key), dict)
+        merged[key] = merge(merged[key], value) if both else value
+    return merged
+
+
+def load(*files: str | Path) -> Config:
+    """Read YAML files, each laid over the ones before, and check the result. Raises ConfigError."""
+    settings: dict[str, Any] = {}
+    for file in files:
+        try:
+            layer = yaml.safe_load(Path(file).read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            raise ConfigError(f"{file}: there is no such file; give the path of a config file, e.g. config/default.yaml") from None
+        except (OSError, UnicodeDecodeError) as error:
+            raise ConfigError(f"{file}: cannot be read ({error}); give the path of a readable YAML file") from None
+        except yaml.YAMLError as error:
+            mark = getattr(error, "problem_mark", None)
+            where = f" in line {mark.line + 1}" if mark else ""
+            raise ConfigError(f"{file}: not valid YAML{where}; check indentation, brackets and quotes there") from None
+        if not isinstance(layer, dict):
+            raise ConfigError(f"{file}: expected a mapping of keys to values at the top; see config/README.md")
+        settings = merge(settings, layer)
+    return validate(settings)
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON schema of the configuration."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Config.model_json_schema()}
+
+
+def joint_range(agent: AgentConfig) -> float:
+    """Stops of the arm joints, rad; infinite for none."""
+    return math.inf if agent.joint_range_degrees is None else math.radians(agent.joint_range_degrees)

@@ -1,0 +1,14 @@
+"""Which figures there are, and which tables each is drawn from. Imports nothing heavy: the workflow reads it."""
+
+from __future__ import annotations
+
+FIGURES: dict[str, tuple[str, ...]] = {
+    "flatland_world": (),
+    "flatland_scp": ("flatland_scp", "flatland_comparisons", "flatland_baselines", "flatland_alternatives"),
+    "flatland_comparisons": ("flatland_comparisons",),
+    "flatland_combinations": ("flatland_scp", "flatland_trends"),
+    "flatland_commutation": ("flatland_commutation",),
+    "flatland_sensitivity": ("flatland_sensitivity",),
+    "flatland_free_space": ("flatland_scp",),
+}
+"""Figure -> tables. A figure is drawn by the module of its name, which has a function ``draw(tables, config)`` that returns a matplotlib figure."""

@@ -1,0 +1,48 @@
+"""Where a result comes from: recorded in every table."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import platform
+import subprocess
+from functools import lru_cache
+from pathlib import Path
+
+from .config import Config
+
+PACKAGES = ("sensory-commutativity", "numpy", "pymunk", "numba", "scipy", "statsmodels", "torch", "pandas", "pyarrow")
+
+
+@lru_cache
+def _git_commit() -> str:
+    """The commit of the code, with ``-dirty`` when the code or the config differs from it; ``unknown`` outside a repository."""
+    here = Path(__file__).resolve().parents[2]
+
+    def git(*arguments: str) -> str:
+        return subprocess.run(["git", "-C", str(here), *arguments], capture_output=True, text=True, check=True, timeout=10).stdout.strip()
+
+    try:
+        changed = git("status", "--porcelain", "--", "src", "workflow", "config", "Snakefile")
+        return git("rev-parse", "HEAD") + ("-dirty" if changed else "")
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+
+
+def provenance(config: Config) -> dict[str, str]:
+    """Config hash, root seed, git commit, platform and package versions; the same for every table of a run."""
+    versions = {}
+    for package in PACKAGES:
+        try:
+            versions[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            versions[package] = "absent"
+    return {
+        "profile": config.profile,
+        "config_sha256": config.digest(),
+        "root_seed": str(config.seed),
+        "git_commit": _git_commit(),
+        "python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.machine()}",
+        "packages": json.dumps(versions, sort_keys=True),
+    }

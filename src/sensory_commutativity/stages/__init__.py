@@ -1,0 +1,1 @@
+"""One module per table: what a workflow rule and a command of the same name do."""

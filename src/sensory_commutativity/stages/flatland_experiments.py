@@ -1,0 +1,57 @@
+"""SC-experiments of every degree of freedom of an agent in a world (paper, definition 3 and section III-A).
+
+Experiment *i* draws a start situation; every degree of freedom is then tried from it, with a sequence and a permutation of its own. All randomness
+follows from (root seed, stage, world, agent, i), so the result does not depend on how experiments are cut into jobs and batches.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+from ..batches import forget_batches, in_batches
+from ..config import Config, Run
+from ..distances import mean_squared_error
+from ..experiment import sc_experiment
+from ..seeding import generator, seed_for
+from ..sequences import sample_sequence
+from ..tables import TABLES, write_table
+from ..worlds.flatland.from_config import flatland_world
+
+TABLE = "flatland_experiments"
+_COLUMNS = [column.name for column in TABLES[TABLE]]
+
+
+def run_experiments(config: Config, run: Run, start: int, stop: int) -> pd.DataFrame:
+    """Experiments start <= i < stop: a row per experiment and degree of freedom, columns of the table flatland_experiments."""
+    world = flatland_world(config.flatland, run.world, run.agent)
+    rows = []
+    for i in range(start, stop):
+        seed = seed_for(config.seed, "flatland", run.world, run.agent, i)
+        world.reset(generator(seed, "situation"))
+        situation = world.snapshot()
+        for k, dof in enumerate(world.dofs):
+            rng = generator(seed, "sequence", dof.name)
+            sequence = sample_sequence(rng, run.length, k, len(world.dofs))
+            outcome = sc_experiment(world, situation, sequence, rng, config.flatland.rest_steps)
+            rows.append((run.world, run.agent, run.length, dof.name, i, seed, mean_squared_error(*outcome)))
+    return pd.DataFrame(rows, columns=_COLUMNS)
+
+
+def part_bounds(per_job: int, n: int, part: int) -> tuple[int, int]:
+    """Which of `n` experiments the job number `part`, from 0, does: start <= i < stop."""
+    return part * per_job, min(n, (part + 1) * per_job)
+
+
+def write_experiments(config: Config, run: Run, part: int, out: Path) -> None:
+    """Write one job's share of a run's experiments to `out`, resuming from finished batches."""
+    start, stop = part_bounds(config.flatland.experiments_per_job, run.experiments, part)
+    settings = f"{config.seed} {run} {config.flatland.rest_steps} {config.flatland.worlds[run.world]!r} {config.flatland.agents[run.agent]!r}"
+
+    def compute(low: int, high: int) -> pd.DataFrame:
+        return run_experiments(config, run, low, high)
+
+    frame = in_batches(TABLE, compute, start, stop, out, config, settings)
+    write_table(TABLE, frame, out, config)
+    forget_batches(out)

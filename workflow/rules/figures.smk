@@ -1,0 +1,75 @@
+# What people look at: one figure per module of its name, the animation, and the paper's claims beside ours.
+COMPARED = [
+    "flatland_scp",
+    "flatland_comparisons",
+    "flatland_trends",
+    "flatland_commutation",
+    "flatland_baselines",
+    "flatland_alternatives",
+]
+
+
+def figures():
+    """Every figure as PNG and PDF, and the animation."""
+    drawn = [DRAWN / f"{name}.{kind}" for name in FIGURES for kind in ("png", "pdf")]
+    return [*drawn, DRAWN / "flatland_experiment.gif"]
+
+
+rule figure:
+    input:
+        config=ancient(RESOLVED),
+        tables=lambda w: [TABLES / f"{name}.parquet" for name in FIGURES[w.figure]],
+    output:
+        png=report(
+            DRAWN / "{figure}.png",
+            category="Flatland",
+            caption="../report/{figure}.rst",
+            labels={"figure": "{figure}"},
+        ),
+        pdf=DRAWN / "{figure}.pdf",
+    params:
+        tables=TABLES,
+        settings=digest(FLATLAND),
+    log:
+        LOGS / "figure" / "{figure}.log",
+    message:
+        "drawing {wildcards.figure}"
+    shell:
+        "sensory-commutativity figure {wildcards.figure} --config {input.config:q} --tables {params.tables:q} --out {output.png:q} 2> {log:q}"
+
+
+rule animation:
+    input:
+        config=ancient(RESOLVED),
+    output:
+        report(
+            DRAWN / "flatland_experiment.gif",
+            category="Flatland",
+            caption="../report/flatland_experiment.rst",
+            labels={"figure": "flatland_experiment"},
+        ),
+    params:
+        settings=reference(),
+    log:
+        LOGS / "animation.log",
+    message:
+        "animating one SC-experiment"
+    shell:
+        "sensory-commutativity animation --config {input.config:q} --out {output:q} 2> {log:q}"
+
+
+rule paper_comparison:
+    input:
+        config=ancient(RESOLVED),
+        tables=[TABLES / f"{name}.parquet" for name in COMPARED],
+    output:
+        TABLES / "paper_comparison.parquet",
+    params:
+        tables=TABLES,
+        settings=digest(FLATLAND),
+    log:
+        LOGS / "paper_comparison.log",
+    message:
+        "setting the paper's claims beside ours"
+    shell:
+        "sensory-commutativity paper-comparison --config {input.config:q} --tables {params.tables:q} --out {output:q} 2> {log:q}"

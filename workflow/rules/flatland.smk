@@ -1,0 +1,216 @@
+# Two dimensions: SC-experiments, SCP, comparisons, trends, commutation, and the paper's alternatives.
+
+
+def reference(*more):
+    """Settings of the reference agent in the reference world."""
+    return digest(
+        FLATLAND.worlds[FLATLAND.reference.world],
+        FLATLAND.agents[FLATLAND.reference.agent],
+        FLATLAND.sequence_length,
+        FLATLAND.rest_steps,
+        *more,
+    )
+
+
+def experiment_parts(wildcards):
+    return [
+        DATA / "flatland_experiments" / f"{name}.{i + 1}-of-{n_parts(run.experiments)}.parquet"
+        for name, run in RUNS.items()
+        for i in range(n_parts(run.experiments))
+    ]
+
+
+def commutation_parts(wildcards):
+    n = n_parts(FLATLAND.commutation.experiments, FLATLAND.commutation_per_job)
+    return [DATA / "flatland_commutation" / f"{i + 1}-of-{n}.parquet" for i in range(n)]
+
+
+rule flatland_experiments_part:
+    input:
+        config=ancient(RESOLVED),
+    output:
+        DATA / "flatland_experiments" / "{world}.{agent}.{length}.{part}-of-{parts}.parquet",
+    params:
+        settings=lambda w: digest(
+            FLATLAND.worlds[w.world],
+            FLATLAND.agents[w.agent],
+            FLATLAND.rest_steps,
+            RUNS[f"{w.world}.{w.agent}.{w.length}"].experiments,
+            FLATLAND.experiments_per_job,
+        ),
+    log:
+        LOGS / "flatland_experiments_part" / "{world}.{agent}.{length}.{part}-of-{parts}.log",
+    benchmark:
+        BENCHMARKS / "flatland_experiments_part" / "{world}.{agent}.{length}.{part}-of-{parts}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    message:
+        "SC-experiments of {wildcards.agent} in {wildcards.world}, length {wildcards.length}, part {wildcards.part} of {wildcards.parts}"
+    shell:
+        "sensory-commutativity flatland-experiments-part --config {input.config:q} --world {wildcards.world} --agent {wildcards.agent}"
+        " --length {wildcards.length} --part {wildcards.part}/{wildcards.parts} --out {output:q} 2> {log:q}"
+
+
+rule flatland_experiments:
+    input:
+        config=ancient(RESOLVED),
+        parts=experiment_parts,
+    output:
+        TABLES / "flatland_experiments.parquet",
+    log:
+        LOGS / "flatland_experiments.log",
+    message:
+        "gathering all SC-experiments"
+    shell:
+        "sensory-commutativity flatland-experiments --config {input.config:q} --out {output:q} {input.parts:q} 2> {log:q}"
+
+
+rule flatland_scp:
+    input:
+        config=ancient(RESOLVED),
+        flatland_experiments=TABLES / "flatland_experiments.parquet",
+    output:
+        TABLES / "flatland_scp.parquet",
+    params:
+        settings=digest(FLATLAND.thresholds, FLATLAND.sequence_length),
+    log:
+        LOGS / "flatland_scp.log",
+    message:
+        "estimating the SCP of every degree of freedom"
+    shell:
+        "sensory-commutativity flatland-scp --config {input.config:q} --flatland-experiments {input.flatland_experiments:q}"
+        " --out {output:q} 2> {log:q}"
+
+
+rule flatland_sensitivity:
+    input:
+        config=ancient(RESOLVED),
+        flatland_experiments=TABLES / "flatland_experiments.parquet",
+    output:
+        TABLES / "flatland_sensitivity.parquet",
+    params:
+        settings=digest(FLATLAND.thresholds, FLATLAND.sensitivity, FLATLAND.reference),
+    log:
+        LOGS / "flatland_sensitivity.log",
+    message:
+        "estimating the SCP for all sequence lengths"
+    shell:
+        "sensory-commutativity flatland-sensitivity --config {input.config:q} --flatland-experiments {input.flatland_experiments:q}"
+        " --out {output:q} 2> {log:q}"
+
+
+rule flatland_comparisons:
+    input:
+        config=ancient(RESOLVED),
+        flatland_experiments=TABLES / "flatland_experiments.parquet",
+    output:
+        TABLES / "flatland_comparisons.parquet",
+    log:
+        LOGS / "flatland_comparisons.log",
+    message:
+        "comparing degrees of freedom in pairs"
+    shell:
+        "sensory-commutativity flatland-comparisons --config {input.config:q} --flatland-experiments {input.flatland_experiments:q}"
+        " --out {output:q} 2> {log:q}"
+
+
+rule flatland_trends:
+    input:
+        config=ancient(RESOLVED),
+        flatland_scp=TABLES / "flatland_scp.parquet",
+    output:
+        TABLES / "flatland_trends.parquet",
+    params:
+        settings=digest(FLATLAND.combinations),
+    log:
+        LOGS / "flatland_trends.log",
+    message:
+        "testing for trends with objects and arm length"
+    shell:
+        "sensory-commutativity flatland-trends --config {input.config:q} --flatland-scp {input.flatland_scp:q} --out {output:q} 2> {log:q}"
+
+
+rule flatland_commutation_part:
+    input:
+        config=ancient(RESOLVED),
+    output:
+        DATA / "flatland_commutation" / "{part}-of-{parts}.parquet",
+    params:
+        settings=reference(FLATLAND.commutation, FLATLAND.experiments_per_job),
+    log:
+        LOGS / "flatland_commutation_part" / "{part}-of-{parts}.log",
+    benchmark:
+        BENCHMARKS / "flatland_commutation_part" / "{part}-of-{parts}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    message:
+        "experiments on pairs of degrees of freedom, part {wildcards.part} of {wildcards.parts}"
+    shell:
+        "sensory-commutativity flatland-commutation-part --config {input.config:q} --part {wildcards.part}/{wildcards.parts}"
+        " --out {output:q} 2> {log:q}"
+
+
+rule flatland_commutation:
+    input:
+        config=ancient(RESOLVED),
+        parts=commutation_parts,
+    output:
+        TABLES / "flatland_commutation.parquet",
+    log:
+        LOGS / "flatland_commutation.log",
+    message:
+        "estimating which degrees of freedom commute"
+    shell:
+        "sensory-commutativity flatland-commutation --config {input.config:q} --out {output:q} {input.parts:q} 2> {log:q}"
+
+
+rule flatland_baselines_part:
+    input:
+        config=ancient(RESOLVED),
+    output:
+        DATA / "flatland_baselines" / "{dof}.parquet",
+    params:
+        settings=reference(FLATLAND.baselines),
+    log:
+        LOGS / "flatland_baselines_part" / "{dof}.log",
+    benchmark:
+        BENCHMARKS / "flatland_baselines_part" / "{dof}.tsv"
+    threads: 1
+    resources:
+        mem_mb=3000,
+    message:
+        "naive change and prediction error of {wildcards.dof}"
+    shell:
+        "sensory-commutativity flatland-baselines-part --config {input.config:q} --dof {wildcards.dof} --out {output:q} 2> {log:q}"
+
+
+rule flatland_baselines:
+    input:
+        config=ancient(RESOLVED),
+        parts=expand(DATA / "flatland_baselines" / "{dof}.parquet", dof=DOFS),
+    output:
+        TABLES / "flatland_baselines.parquet",
+    log:
+        LOGS / "flatland_baselines.log",
+    message:
+        "gathering the alternatives to the SCP"
+    shell:
+        "sensory-commutativity flatland-baselines --config {input.config:q} --out {output:q} {input.parts:q} 2> {log:q}"
+
+
+rule flatland_alternatives:
+    input:
+        config=ancient(RESOLVED),
+        flatland_baselines=TABLES / "flatland_baselines.parquet",
+        flatland_scp=TABLES / "flatland_scp.parquet",
+    output:
+        TABLES / "flatland_alternatives.parquet",
+    log:
+        LOGS / "flatland_alternatives.log",
+    message:
+        "correlating the alternatives with the SCP"
+    shell:
+        "sensory-commutativity flatland-alternatives --config {input.config:q} --flatland-baselines {input.flatland_baselines:q}"
+        " --flatland-scp {input.flatland_scp:q} --out {output:q} 2> {log:q}"
