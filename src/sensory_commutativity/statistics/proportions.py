@@ -11,5 +11,6 @@ def wilson_interval(successes: np.ndarray, n: np.ndarray, confidence: float = 0.
 
     It covers well near 0 and 1, where the SCP often is: 10,000 of 10,000 gives [0.9996, 1].
     """
-    low, high = proportion_confint(np.asarray(successes), np.asarray(n), alpha=1 - confidence, method="wilson")
-    return np.asarray(low), np.asarray(high)
+    successes, n = np.asarray(successes), np.asarray(n)
+    low, high = proportion_confint(successes, n, alpha=1 - confidence, method="wilson")
+    return np.where(successes == 0, 0.0, low), np.where(successes == n, 1.0, high)  # exact where rounding would leave 1e-17

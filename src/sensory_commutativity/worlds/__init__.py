@@ -1,0 +1,1 @@
+"""Where the experiment is played. Nothing outside this package imports a physics engine."""

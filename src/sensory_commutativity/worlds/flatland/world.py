@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 import pymunk
@@ -43,6 +44,17 @@ class FlatlandSnapshot:
     situation: Situation
     bodies: np.ndarray
     inner: np.ndarray
+
+
+class Parts(NamedTuple):
+    """What the compiled loop works on: see :func:`.control.advance`."""
+
+    wiring: Wiring
+    body: Body
+    paths: Paths
+    scene: Scene
+    inner: np.ndarray
+    pose: np.ndarray
 
 
 class FlatlandWorld:
@@ -135,6 +147,10 @@ class FlatlandWorld:
     def poses(self) -> np.ndarray:
         """(x, y, angle) of the five links, then of the things, float64 (5 + n, 3); units, rad."""
         return self._bodies()[:, :3]
+
+    def parts(self) -> Parts:
+        """What the compiled loop works on, for loops over many worlds (:mod:`.vector`). Not copies: valid until the next reset or restore."""
+        return Parts(self._wiring, self._body, self._paths, self._scene, self._inner, self._pose)
 
     # ---- building --------------------------------------------------------------------------------------------------------
 

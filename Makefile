@@ -1,0 +1,63 @@
+# make            set everything up, run the default profile, write figures and report
+# make help       the other targets
+SHELL := /bin/bash
+PYTHON ?= $(firstword $(shell command -v python3.11 python3))
+CORES ?= all
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet progress --rerun-incomplete
+export PATH := $(CURDIR)/$(BIN):$(PATH)
+
+.PHONY: all default paper report bench test lint format lock schema clean help
+.DEFAULT_GOAL := default
+
+default: $(READY)  ## run the default profile: figures and report in minutes
+	$(BIN)/sensory-commutativity check config/default.yaml
+	$(SNAKEMAKE)
+	$(SNAKEMAKE) --report results/default/report.html
+	@echo "figures: results/default/figures; report: results/default/report.html"
+
+paper: $(READY)  ## run the paper's sizes (committed under results/paper)
+	$(BIN)/sensory-commutativity check config/default.yaml config/paper.yaml
+	$(SNAKEMAKE) --configfile config/paper.yaml
+	$(SNAKEMAKE) --configfile config/paper.yaml --report results/paper/report.html
+	@echo "figures: results/paper/figures; report: results/paper/report.html"
+
+bench: $(READY)  ## measure speed and print a table
+	$(BIN)/python benchmarks/bench.py
+
+test: $(READY)  ## run all tests
+	$(BIN)/python -m pytest
+
+lint: $(READY)  ## check style of code and workflow
+	$(BIN)/ruff check src tests benchmarks
+	$(BIN)/ruff format --check src tests benchmarks
+	$(BIN)/snakefmt --check Snakefile workflow
+
+format: $(READY)  ## rewrite code and workflow in that style
+	$(BIN)/ruff check --fix src tests benchmarks
+	$(BIN)/ruff format src tests benchmarks
+	$(BIN)/snakefmt Snakefile workflow
+
+schema: $(READY)  ## rewrite config/schema.json after a change to config.py
+	$(BIN)/sensory-commutativity schema --out config/schema.json
+
+lock: $(READY)  ## pin the environment anew (needs uv)
+	uv pip compile -q --universal --no-header --python-version 3.11 pyproject.toml --extra workflow --extra test \
+		--custom-compile-command "make lock" -o requirements.lock
+
+clean:  ## remove the results of the default and test profiles
+	rm -rf results/default results/test
+
+help:  ## this list
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | column -t -s $$'\t'
+
+# The environment. The stamp is made last, so that an interrupted installation starts again.
+$(READY): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' || \
+		{ echo "Python 3.11 is needed, $(PYTHON) is another; set PYTHON=/path/to/python3.11" >&2; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@touch $@

@@ -1,0 +1,51 @@
+"""SCP for combinations of agents and rooms: more objects, longer arms (paper, appendix B)."""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..config import Config
+from ..seeding import generator, seed_for
+from ..worlds.flatland.drawing import draw_room
+from ..worlds.flatland.from_config import flatland_world
+from .style import DOF_ORDER, GREY, dof_bars, probability_axis
+
+
+def _example(axes: Axes, config: Config, world: str, agent: str) -> None:
+    example = flatland_world(config.flatland, world, agent)
+    example.reset(generator(seed_for(config.seed, "flatland", world, agent, 0), "situation"))
+    draw_room(axes, example)
+
+
+def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+    flatland = config.flatland
+    worlds, agents = flatland.combinations.worlds, flatland.combinations.agents
+    scp = tables["flatland_scp"]
+    scp = scp[scp["threshold"] == 0].set_index(["world", "agent", "dof"]).sort_index()
+    trends = tables["flatland_trends"].set_index(["trend", "stratum", "dof"])
+    figure, grid = plt.subplots(
+        2 * len(agents), len(worlds), figsize=(3.1 * len(worlds), 5.4 * len(agents)), height_ratios=[1.15, 1] * len(agents), squeeze=False
+    )
+    for i, agent in enumerate(agents):
+        for j, world in enumerate(worlds):
+            picture, bars = grid[2 * i, j], grid[2 * i + 1, j]
+            _example(picture, config, world, agent)
+            things = flatland.worlds[world].things
+            picture.set_title(f"{agent}: arms of 2 × {flatland.agents[agent].arm_length:g} units\n{things} objects", fontsize=9)
+            rows = scp.loc[(world, agent)].loc[DOF_ORDER]
+            dof_bars(bars, DOF_ORDER, rows["scp"], rows["ci_low"], rows["ci_high"], ".2f")
+            probability_axis(bars, "SCP" if j == 0 else "")
+            if i + 1 < len(agents):
+                bars.set_xticklabels([])
+            if j + 1 == len(worlds):
+                falling = [d for d in DOF_ORDER if trends.loc[("more objects", agent, d), "p_adjusted"] < 0.001]
+                text = ", ".join(d.replace("-", " ") for d in falling) or "none"
+                bars.annotate(
+                    f"trend with objects, p < 0.001:\n{text}", (1.02, 0.5), xycoords="axes fraction", fontsize=7, color=GREY, rotation=90, va="center"
+                )
+    n = int(scp.loc[(worlds[0], agents[0])]["n"].iloc[0])
+    figure.suptitle(f"SCP at threshold 0 in rooms with more objects (columns) and for longer arms (rows); {n:,} experiments per bar", fontsize=11)
+    return figure

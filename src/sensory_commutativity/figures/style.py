@@ -1,0 +1,108 @@
+"""The look that all figures share, and how they are saved."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..config import Config
+from ..tables import read_table, written_whole
+from .catalogue import FIGURES
+
+# Okabe and Ito's colours, which colour-blind readers can tell apart
+BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
+    "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
+)  # fmt: skip
+GREY = "#8A8A8A"
+
+DOF_COLOURS = {
+    "base-longitudinal": BLUE,
+    "base-rotation": SKY,
+    "head": GREY,
+    "eyelid": BLACK,
+    "left-shoulder": VERMILION,
+    "right-shoulder": ORANGE,
+    "left-elbow": GREEN,
+    "right-elbow": PURPLE,
+}
+DOF_ORDER = ["base-longitudinal", "base-rotation", "left-shoulder", "right-shoulder", "left-elbow", "right-elbow", "head", "eyelid"]
+DOF_MARKERS = dict(zip(DOF_ORDER, "osv^<>DX", strict=True))
+
+_RC = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.titlesize": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": False,
+    "legend.frameon": False,
+    "figure.constrained_layout.use": True,
+    "savefig.dpi": 160,
+    "pdf.fonttype": 42,
+}
+
+
+def dof_label(dof: str, lines: bool = False) -> str:
+    """left-elbow -> left elbow, on two lines if asked."""
+    return dof.replace("-", "\n" if lines else " ")
+
+
+def draw_figure(name: str, tables: Path, out: Path, config: Config) -> None:
+    """Draw the figure `name` from the tables in a folder; save it as `out` (PNG) and beside it as PDF."""
+    frames = {table: read_table(table, tables / f"{table}.parquet") for table in FIGURES[name]}
+    module = importlib.import_module(f".{name}", __package__)
+    with plt.rc_context(_RC):
+        figure = module.draw(frames, config)
+        save(figure, out)
+
+
+def save(figure: Figure, out: Path) -> None:
+    """Save as PNG and PDF, without the date, so that equal tables give equal files."""
+    with written_whole(out) as temporary:
+        figure.savefig(temporary, format="png", metadata={"Software": None})
+    with written_whole(out.with_suffix(".pdf")) as temporary:
+        figure.savefig(temporary, format="pdf", metadata={"CreationDate": None, "Producer": None, "Creator": None})
+    plt.close(figure)
+
+
+def reference_rows(scp: pd.DataFrame, config: Config, threshold: float = 0.0) -> pd.DataFrame:
+    """The rows of flatland_scp of the reference agent in the reference world, in the order of the figures."""
+    reference = config.flatland.reference
+    rows = scp[(scp["world"] == reference.world) & (scp["agent"] == reference.agent) & (scp["threshold"] == threshold)]
+    return rows.set_index("dof").loc[DOF_ORDER].reset_index()
+
+
+def dof_bars(axes: Axes, dofs: list[str], values: np.ndarray, low: np.ndarray, high: np.ndarray, values_format: str = "") -> None:
+    """A bar per degree of freedom, coloured as everywhere, with the interval [low, high] and, if asked, its value above."""
+    values = np.asarray(values, float)
+    error = np.maximum(0.0, [values - np.asarray(low), np.asarray(high) - values])
+    axes.bar(range(len(dofs)), values, color=[DOF_COLOURS[d] for d in dofs], width=0.75)
+    axes.errorbar(range(len(dofs)), values, yerr=error, fmt="none", ecolor="#444444", elinewidth=1.2, capsize=2.5)
+    axes.set_xticks(range(len(dofs)), [dof_label(d) for d in dofs], rotation=45, ha="right", rotation_mode="anchor")
+    if values_format:
+        for x, (value, top) in enumerate(zip(values, np.asarray(high), strict=True)):
+            axes.annotate(
+                format(value, values_format), (x, max(value, top)), textcoords="offset points", xytext=(0, 3), ha="center", fontsize=7
+            )
+
+
+def p_text(p: float) -> str:
+    """A p-value for people."""
+    return "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.0995 else f"p = {p:.2f}"
+
+
+def probability_axis(axes: Axes, name: str = "SCP") -> None:
+    axes.set_ylim(0, 1.12)
+    axes.set_yticks(np.linspace(0, 1, 6))
+    axes.set_ylabel(name)
+    axes.axhline(1, color=GREY, linewidth=0.8, linestyle=":", zorder=0)

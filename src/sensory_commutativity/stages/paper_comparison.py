@@ -1,0 +1,144 @@
+"""The paper's claims in two dimensions, each decided by a rule that was fixed before the run.
+
+The paper prints its SCP values as bars only, so most claims are orders and equalities. A claim of order holds when every difference has the right sign
+and an adjusted p-value below ALPHA; a claim of equality when the interval of the difference contains 0.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+
+from ..config import Config
+from ..statistics.hierarchy import HIERARCHY, LEFT_AND_RIGHT, ordered_difference
+from ..tables import TABLES, read_table, write_table
+
+ALPHA = 0.001
+STILL = ("head", "eyelid")
+ARMS = ("left-shoulder", "right-shoulder", "left-elbow", "right-elbow")
+_NEEDED = ("flatland_scp", "flatland_comparisons", "flatland_trends", "flatland_commutation", "flatland_baselines", "flatland_alternatives")
+
+
+class Claim(NamedTuple):
+    claim: str
+    section: str
+    paper_value: str
+    our_value: str
+    ci_low: float | None
+    ci_high: float | None
+    holds: bool
+
+
+def compare_with_paper(tables: dict[str, pd.DataFrame], config: Config) -> list[Claim]:
+    """All claims, in the order of the paper."""
+    reference = config.flatland.reference
+    scp = tables["flatland_scp"]
+    scp = scp[scp["threshold"] == 0]
+    mine = scp[(scp["world"] == reference.world) & (scp["agent"] == reference.agent)].set_index("dof")
+    pairs = tables["flatland_comparisons"]
+    pairs = pairs[(pairs["world"] == reference.world) & (pairs["agent"] == reference.agent)]
+    return [
+        *_still_and_moving(mine),
+        *[_step(name, steps, pairs) for name, steps in HIERARCHY.items()],
+        _left_equals_right(pairs),
+        *_appendix_b(scp, tables["flatland_trends"], config),
+        _philipona(tables["flatland_commutation"]),
+        *_alternatives(tables["flatland_baselines"].set_index("dof"), tables["flatland_alternatives"].set_index("alternative")),
+    ]
+
+
+def _still_and_moving(mine: pd.DataFrame) -> list[Claim]:
+    still, others = mine.loc[list(STILL)], mine.drop(index=list(STILL))
+    equal = bool((still["commuted"] == still["n"]).all())
+    lowest = float(still["ci_low"].min())
+    said = f"{int(still['commuted'].sum()):,} of {int(still['n'].sum()):,} commuted"
+    top = others.loc[others["scp"].idxmax()]
+    return [
+        Claim("head and eyelid always commute", "III-C", "SCP = 1", said, lowest, 1.0, equal),
+        Claim(
+            "every other degree of freedom does not", "III-C", "SCP < 1", f"highest {top['scp']:.4f} ({others['scp'].idxmax()})",
+            float(top["ci_low"]), float(top["ci_high"]), bool((others["commuted"] < others["n"]).all()),
+        ),
+    ]  # fmt: skip
+
+
+def _step(name: str, steps: tuple[tuple[str, str], ...], pairs: pd.DataFrame) -> Claim:
+    found = [ordered_difference(pairs, low, high) for low, high in steps]
+    smallest = min(found, key=lambda f: abs(f.difference))
+    worst_p = max(f.p_adjusted for f in found)
+    holds = all(f.difference < 0 and f.p_adjusted < ALPHA for f in found)
+    said = f"smallest difference {smallest.difference:+.4f}, largest p {worst_p:.2g}"
+    return Claim(name, "III-C", "order", said, smallest.ci_low, smallest.ci_high, holds)
+
+
+def _left_equals_right(pairs: pd.DataFrame) -> Claim:
+    found = [ordered_difference(pairs, low, high) for low, high in LEFT_AND_RIGHT]
+    largest = max(found, key=lambda f: abs(f.difference))
+    holds = all(f.ci_low <= 0 <= f.ci_high for f in found)
+    return Claim(
+        "left and right commute equally", "III-C", "equal", f"largest difference {largest.difference:+.4f}", largest.ci_low, largest.ci_high, holds
+    )
+
+
+def _appendix_b(scp: pd.DataFrame, trends: pd.DataFrame, config: Config) -> list[Claim]:
+    combinations, worlds = config.flatland.combinations, config.flatland.worlds
+    empty = [world for world in combinations.worlds if worlds[world].things == 0]
+    claims = []
+    if empty:
+        rows = scp[scp["world"].isin(empty) & scp["agent"].isin(combinations.agents)]
+        lowest = rows.loc[rows["scp"].idxmin()]
+        said = f"lowest {lowest['scp']:.4f} ({lowest['dof']}, {lowest['agent']})"
+        claims.append(
+            Claim(
+                "in the closed empty room almost all is 1", "App. B", "about 1", said,
+                float(lowest["ci_low"]), float(lowest["ci_high"]), bool((rows["scp"] >= 0.9).all()),
+            )  # fmt: skip
+        )
+    for trend, name in (("more objects", "SCP of shoulders and elbows falls with the number of objects"), ("longer arms", "and with arm length")):
+        rows = trends[(trends["trend"] == trend) & trends["dof"].isin(ARMS)]
+        if len(rows):
+            said = f"smallest change {rows['effect'].max():+.4f}{' per object' if trend == 'more objects' else ''}, largest p {rows['p_adjusted'].max():.2g}"
+            holds = bool(((rows["effect"] < 0) & (rows["p_adjusted"] < ALPHA)).all())
+            claims.append(Claim(name, "App. B", "falls", said, None, None, holds))
+    return claims
+
+
+def _philipona(commutation: pd.DataFrame) -> Claim:
+    rows = commutation[commutation["dof_a"].isin(STILL) | commutation["dof_b"].isin(STILL)]
+    lowest = rows.loc[rows["probability"].idxmin()]
+    said = f"lowest {lowest['probability']:.4f} ({lowest['dof_a']}, {lowest['dof_b']})"
+    return Claim(
+        "what displaces nothing commutes with everything", "II-C", "conjecture", said,
+        float(lowest["ci_low"]), float(lowest["ci_high"]), bool((rows["commuted"] == rows["n"]).all()),
+    )  # fmt: skip
+
+
+def _alternatives(baselines: pd.DataFrame, alternatives: pd.DataFrame) -> list[Claim]:
+    naive, excess = baselines["naive_mse"], baselines["excess_error"]
+    said = [f"rank correlation with 1 - SCP {alternatives.loc[name, 'spearman']:+.2f}" for name in ("naive change", "excess prediction error")]
+    return [
+        Claim(
+            "naive change is largest for the head or nearly so, though it displaces nothing", "App. A", "head among the highest",
+            f"head ranks {int((naive > naive['head']).sum()) + 1} of {len(naive)}; {said[0]}", None, None, bool((naive > naive["head"]).sum() <= 1),
+        ),
+        Claim(
+            "the head is harder to predict than base longitudinal", "App. A", "head above base longitudinal",
+            f"{excess['head']:.0f} against {excess['base-longitudinal']:.0f}; {said[1]}", None, None, bool(excess["head"] > excess["base-longitudinal"]),
+        ),
+        Claim(
+            "base rotation is harder to predict than base longitudinal", "App. A", "a great difference",
+            f"{excess['base-rotation']:.0f} against {excess['base-longitudinal']:.0f}", None, None,
+            bool(excess["base-rotation"] > excess["base-longitudinal"]),
+        ),
+    ]  # fmt: skip
+
+
+def write_paper_comparison(tables: Path, out: Path, config: Config) -> None:
+    """Compare the tables in the folder `tables` with the paper and write the table paper_comparison."""
+    frames = {name: read_table(name, tables / f"{name}.parquet") for name in _NEEDED}
+    claims = compare_with_paper(frames, config)
+    columns = [column.name for column in TABLES["paper_comparison"]]
+    frame = pd.DataFrame([claim._asdict() for claim in claims], columns=columns).astype({"ci_low": float, "ci_high": float})
+    write_table("paper_comparison", frame, out, config)
