@@ -182,13 +182,17 @@ def flatland_trends(config: Config, flatland_scp: Path, out: Path) -> None:
 
 @main.command()
 @with_config
+@click.option("--world", required=True, help="The reference world or the settled one.")
 @click.option("--part", type=_Part(), default="1/1", show_default=True, help="Which share of the experiments.")
 @with_out
-def flatland_commutation_part(config: Config, part: tuple[int, int], out: Path) -> None:
+def flatland_commutation_part(config: Config, world: str, part: tuple[int, int], out: Path) -> None:
     """Play a share of the experiments on pairs of degrees of freedom."""
     from .stages.flatland_commutation import write_commutation_experiments
 
-    write_commutation_experiments(config, part[0] - 1, out)
+    known = config.flatland.commutation_worlds()
+    if world not in known:
+        raise click.BadParameter(f"no commutation experiments in {world!r}; choose one of {', '.join(known)}", param_hint="--world")
+    write_commutation_experiments(config, world, part[0] - 1, out)
 
 
 @main.command()

@@ -82,9 +82,14 @@ class SensitivityConfig(_Section):
 
 
 class CommutationConfig(_Section):
-    """Philipona's conjecture: does a sequence of one degree of freedom commute with one of another?"""
+    """Philipona's conjecture: does a sequence of one degree of freedom commute with one of another?
 
-    experiments: int = Field(ge=2, le=1_000_000, description="Experiments per pair of degrees of freedom.")
+    Tried in the reference world, and in one where nothing moves by itself and everything is given time to come to rest.
+    """
+
+    experiments: int = Field(ge=2, le=1_000_000, description="Experiments per pair of degrees of freedom and world.")
+    settled_world: Name = Field("settled", description="A key of flatland.worlds, with path_speed 0.")
+    settled_rest_steps: int = Field(100, ge=0, le=1000, description="Steps without a command that end each order in that world; pushed things coast.")
 
 
 class BaselinesConfig(_Section):
@@ -142,6 +147,10 @@ class FlatlandConfig(_Section):
                     raise ValueError(f"{section}.{kind} names one of {names} twice; remove one")
         _known(self.reference.world, self.worlds, "reference.world", "flatland.worlds")
         _known(self.reference.agent, self.agents, "reference.agent", "flatland.agents")
+        settled = self.commutation.settled_world
+        _known(settled, self.worlds, "commutation.settled_world", "flatland.worlds")
+        if self.worlds[settled].path_speed or settled == self.reference.world:
+            raise ValueError(f"commutation.settled_world names {settled!r}; choose a world with path_speed: 0.0 that is not the reference world")
         for name in self.free_space.worlds:
             if self.worlds[name].walls or self.worlds[name].things:
                 raise ValueError(f"free_space.worlds names {name!r}, which has walls or things; give it walls: false and things: 0")
@@ -164,6 +173,10 @@ class FlatlandConfig(_Section):
     def commutation_per_job(self) -> int:
         """How many commutation experiments make a job: each plays the 36 pairs of 8 degrees of freedom, about ten times an SC-experiment's work."""
         return max(1, self.experiments_per_job // 10)
+
+    def commutation_worlds(self) -> dict[str, int]:
+        """The worlds of the commutation experiments, and the steps of rest that end each order there."""
+        return {self.reference.world: self.rest_steps, self.commutation.settled_world: self.commutation.settled_rest_steps}
 
     def runs(self) -> list[Run]:
         """All SC-experiments, in the order of the sections."""

@@ -35,9 +35,7 @@ def compare_orders(world: World, start: Snapshot, first: np.ndarray, second: np.
     return Outcome(final_observation(world, start, first, rest_steps), final_observation(world, start, second, rest_steps))
 
 
-def sc_experiment(
-    world: World, start: Snapshot, sequence: np.ndarray, rng: np.random.Generator, rest_steps: int = REST_STEPS
-) -> Outcome:
+def sc_experiment(world: World, start: Snapshot, sequence: np.ndarray, rng: np.random.Generator, rest_steps: int = REST_STEPS) -> Outcome:
     """Sensory commutativity experiment: `sequence` against a random permutation of itself."""
     return compare_orders(world, start, sequence, permute(rng, sequence), rest_steps)
 

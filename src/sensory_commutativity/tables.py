@@ -86,6 +86,7 @@ TABLES: dict[str, tuple[Column, ...]] = {
         *_TEST,
     ),
     "flatland_commutation_experiments": (
+        _WHERE[0],
         Column("dof_a", _TEXT, "", "degree of freedom"),
         Column("dof_b", _TEXT, "", "degree of freedom"),
         Column("experiment", _INT, "1", "number of the experiment; all pairs share its start situation"),
@@ -93,6 +94,7 @@ TABLES: dict[str, tuple[Column, ...]] = {
         Column("distance", _FLOAT, "squared 8-bit colour", "mean squared error of the two final observations"),
     ),
     "flatland_commutation": (
+        _WHERE[0],
         Column("dof_a", _TEXT, "", "degree of freedom"),
         Column("dof_b", _TEXT, "", "degree of freedom"),
         Column("n", _INT, "1", "experiments"),
@@ -131,7 +133,9 @@ TABLES: dict[str, tuple[Column, ...]] = {
 
 def schema(name: str) -> pa.Schema:
     """The Arrow schema of the table `name`, units and descriptions in each field's metadata."""
-    fields = [pa.field(c.name, c.type, nullable=c.name.startswith("ci_"), metadata={"unit": c.unit, "description": c.description}) for c in TABLES[name]]
+    fields = [
+        pa.field(c.name, c.type, nullable=c.name.startswith("ci_"), metadata={"unit": c.unit, "description": c.description}) for c in TABLES[name]
+    ]
     return pa.schema(fields)
 
 

@@ -42,7 +42,10 @@ wildcard_constraints:
 
 def digest(*settings):
     """A rule's params: it runs again when these settings or the package's version change, and only then."""
-    text = json.dumps([__version__, CONFIG.seed, *settings], default=lambda section: section.model_dump(mode="json"))
+    text = json.dumps(
+        [__version__, CONFIG.seed, *settings],
+        default=lambda section: section.model_dump(mode="json"),
+    )
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -53,10 +56,10 @@ def n_parts(experiments, per_job=FLATLAND.experiments_per_job):
 rule resolve:
     output:
         RESOLVED,
-    params:
-        settings=json.dumps(CONFIG.model_dump(mode="json")),
     log:
         LOGS / "resolve.log",
+    params:
+        settings=json.dumps(CONFIG.model_dump(mode="json")),
     message:
         "writing all settings to {output}"
     shell:

@@ -27,11 +27,11 @@ rule figure:
             labels={"figure": "{figure}"},
         ),
         pdf=DRAWN / "{figure}.pdf",
+    log:
+        LOGS / "figure" / "{figure}.log",
     params:
         tables=TABLES,
         settings=digest(FLATLAND),
-    log:
-        LOGS / "figure" / "{figure}.log",
     message:
         "drawing {wildcards.figure}"
     shell:
@@ -48,10 +48,10 @@ rule animation:
             caption="../report/flatland_experiment.rst",
             labels={"figure": "flatland_experiment"},
         ),
-    params:
-        settings=reference(),
     log:
         LOGS / "animation.log",
+    params:
+        settings=reference(),
     message:
         "animating one SC-experiment"
     shell:
@@ -64,11 +64,11 @@ rule paper_comparison:
         tables=[TABLES / f"{name}.parquet" for name in COMPARED],
     output:
         TABLES / "paper_comparison.parquet",
+    log:
+        LOGS / "paper_comparison.log",
     params:
         tables=TABLES,
         settings=digest(FLATLAND),
-    log:
-        LOGS / "paper_comparison.log",
     message:
         "setting the paper's claims beside ours"
     shell:

@@ -14,7 +14,9 @@ def reference(*more):
 
 def experiment_parts(wildcards):
     return [
-        DATA / "flatland_experiments" / f"{name}.{i + 1}-of-{n_parts(run.experiments)}.parquet"
+        DATA
+        / "flatland_experiments"
+        / f"{name}.{i + 1}-of-{n_parts(run.experiments)}.parquet"
         for name, run in RUNS.items()
         for i in range(n_parts(run.experiments))
     ]
@@ -22,14 +24,31 @@ def experiment_parts(wildcards):
 
 def commutation_parts(wildcards):
     n = n_parts(FLATLAND.commutation.experiments, FLATLAND.commutation_per_job)
-    return [DATA / "flatland_commutation" / f"{i + 1}-of-{n}.parquet" for i in range(n)]
+    return [
+        DATA / "flatland_commutation" / f"{world}.{i + 1}-of-{n}.parquet"
+        for world in FLATLAND.commutation_worlds()
+        for i in range(n)
+    ]
 
 
 rule flatland_experiments_part:
     input:
         config=ancient(RESOLVED),
     output:
-        DATA / "flatland_experiments" / "{world}.{agent}.{length}.{part}-of-{parts}.parquet",
+        DATA
+        / "flatland_experiments"
+        / "{world}.{agent}.{length}.{part}-of-{parts}.parquet",
+    log:
+        LOGS
+        / "flatland_experiments_part"
+        / "{world}.{agent}.{length}.{part}-of-{parts}.log",
+    benchmark:
+        BENCHMARKS
+        / "flatland_experiments_part"
+        / "{world}.{agent}.{length}.{part}-of-{parts}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
     params:
         settings=lambda w: digest(
             FLATLAND.worlds[w.world],
@@ -38,13 +57,6 @@ rule flatland_experiments_part:
             RUNS[f"{w.world}.{w.agent}.{w.length}"].experiments,
             FLATLAND.experiments_per_job,
         ),
-    log:
-        LOGS / "flatland_experiments_part" / "{world}.{agent}.{length}.{part}-of-{parts}.log",
-    benchmark:
-        BENCHMARKS / "flatland_experiments_part" / "{world}.{agent}.{length}.{part}-of-{parts}.tsv"
-    threads: 1
-    resources:
-        mem_mb=1000,
     message:
         "SC-experiments of {wildcards.agent} in {wildcards.world}, length {wildcards.length}, part {wildcards.part} of {wildcards.parts}"
     shell:
@@ -72,10 +84,10 @@ rule flatland_scp:
         flatland_experiments=TABLES / "flatland_experiments.parquet",
     output:
         TABLES / "flatland_scp.parquet",
-    params:
-        settings=digest(FLATLAND.thresholds, FLATLAND.sequence_length),
     log:
         LOGS / "flatland_scp.log",
+    params:
+        settings=digest(FLATLAND.thresholds, FLATLAND.sequence_length),
     message:
         "estimating the SCP of every degree of freedom"
     shell:
@@ -89,10 +101,10 @@ rule flatland_sensitivity:
         flatland_experiments=TABLES / "flatland_experiments.parquet",
     output:
         TABLES / "flatland_sensitivity.parquet",
-    params:
-        settings=digest(FLATLAND.thresholds, FLATLAND.sensitivity, FLATLAND.reference),
     log:
         LOGS / "flatland_sensitivity.log",
+    params:
+        settings=digest(FLATLAND.thresholds, FLATLAND.sensitivity, FLATLAND.reference),
     message:
         "estimating the SCP for all sequence lengths"
     shell:
@@ -121,10 +133,10 @@ rule flatland_trends:
         flatland_scp=TABLES / "flatland_scp.parquet",
     output:
         TABLES / "flatland_trends.parquet",
-    params:
-        settings=digest(FLATLAND.combinations),
     log:
         LOGS / "flatland_trends.log",
+    params:
+        settings=digest(FLATLAND.combinations),
     message:
         "testing for trends with objects and arm length"
     shell:
@@ -135,20 +147,24 @@ rule flatland_commutation_part:
     input:
         config=ancient(RESOLVED),
     output:
-        DATA / "flatland_commutation" / "{part}-of-{parts}.parquet",
-    params:
-        settings=reference(FLATLAND.commutation, FLATLAND.experiments_per_job),
+        DATA / "flatland_commutation" / "{world}.{part}-of-{parts}.parquet",
     log:
-        LOGS / "flatland_commutation_part" / "{part}-of-{parts}.log",
+        LOGS / "flatland_commutation_part" / "{world}.{part}-of-{parts}.log",
     benchmark:
-        BENCHMARKS / "flatland_commutation_part" / "{part}-of-{parts}.tsv"
+        BENCHMARKS / "flatland_commutation_part" / "{world}.{part}-of-{parts}.tsv"
     threads: 1
     resources:
         mem_mb=1000,
+    params:
+        settings=lambda w: reference(
+            FLATLAND.worlds[w.world],
+            FLATLAND.commutation,
+            FLATLAND.experiments_per_job,
+        ),
     message:
-        "experiments on pairs of degrees of freedom, part {wildcards.part} of {wildcards.parts}"
+        "experiments on pairs of degrees of freedom in {wildcards.world}, part {wildcards.part} of {wildcards.parts}"
     shell:
-        "sensory-commutativity flatland-commutation-part --config {input.config:q} --part {wildcards.part}/{wildcards.parts}"
+        "sensory-commutativity flatland-commutation-part --config {input.config:q} --world {wildcards.world} --part {wildcards.part}/{wildcards.parts}"
         " --out {output:q} 2> {log:q}"
 
 
@@ -171,8 +187,6 @@ rule flatland_baselines_part:
         config=ancient(RESOLVED),
     output:
         DATA / "flatland_baselines" / "{dof}.parquet",
-    params:
-        settings=reference(FLATLAND.baselines),
     log:
         LOGS / "flatland_baselines_part" / "{dof}.log",
     benchmark:
@@ -180,6 +194,8 @@ rule flatland_baselines_part:
     threads: 1
     resources:
         mem_mb=3000,
+    params:
+        settings=reference(FLATLAND.baselines),
     message:
         "naive change and prediction error of {wildcards.dof}"
     shell:

@@ -4,35 +4,50 @@ from __future__ import annotations
 
 import matplotlib.pyplot as plt
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 
 from ..config import Config
 from ..worlds.flatland.from_config import flatland_agent
 from .style import DOF_ORDER, dof_label
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
-    table = tables["flatland_commutation"]
-    matrix = table.pivot(index="dof_a", columns="dof_b", values="probability").loc[DOF_ORDER, DOF_ORDER]
-    low = table.pivot(index="dof_a", columns="dof_b", values="ci_low").loc[DOF_ORDER, DOF_ORDER].to_numpy()
-    high = table.pivot(index="dof_a", columns="dof_b", values="ci_high").loc[DOF_ORDER, DOF_ORDER].to_numpy()
-    still = {dof.name for dof in flatland_agent(config.flatland, config.flatland.reference.agent).dofs if not dof.displaces}
-    figure, axes = plt.subplots(figsize=(7.4, 6.4))
-    image = axes.imshow(matrix.to_numpy(), vmin=0, vmax=1, cmap="cividis")
-    for i in range(len(DOF_ORDER)):
-        for j in range(len(DOF_ORDER)):
-            value = matrix.iat[i, j]
-            colour = "black" if value > 0.55 else "white"
-            text = "1" if value == 1 else f"{value:.2f}"
-            axes.text(j, i - 0.1, text, ha="center", va="center", color=colour, fontsize=10)
-            axes.text(j, i + 0.25, f"±{(high[i, j] - low[i, j]) / 2:.2f}", ha="center", va="center", color=colour, fontsize=6)
-    labels = [dof_label(d) + (" *" if d in still else "") for d in DOF_ORDER]
+def _matrix(axes: Axes, table: pd.DataFrame, labels: list[str]) -> AxesImage:
+    probability, low, high = (
+        table.pivot(index="dof_a", columns="dof_b", values=column).loc[DOF_ORDER, DOF_ORDER].to_numpy()
+        for column in ("probability", "ci_low", "ci_high")
+    )
+    image = axes.imshow(probability, vmin=0, vmax=1, cmap="cividis")
+    for (i, j), value in pd.DataFrame(probability).stack().items():
+        colour = "black" if value > 0.55 else "white"
+        # only 1 itself is written as 1, and nothing below it is rounded up to it
+        axes.text(j, i - 0.1, "1" if value == 1 else f"{min(value, 0.999):.3f}", ha="center", va="center", color=colour, fontsize=8)
+        axes.text(j, i + 0.25, f"±{(high[i, j] - low[i, j]) / 2:.3f}", ha="center", va="center", color=colour, fontsize=6)
     axes.set_xticks(range(len(labels)), labels, rotation=45, ha="right", rotation_mode="anchor")
     axes.set_yticks(range(len(labels)), labels)
     axes.spines[:].set_visible(False)
-    figure.colorbar(image, ax=axes, label="probability that a then b equals b then a", shrink=0.85)
-    axes.set_title(
-        f"Which sequences commute? {table['n'].iloc[0]:,} experiments per pair, threshold 0\n"
-        "diagonal: two different sequences of one degree of freedom\n* displaces nothing; ±: half of the 95 % interval"
+    return image
+
+
+def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+    table, flatland = tables["flatland_commutation"], config.flatland
+    still = {dof.name for dof in flatland_agent(flatland, flatland.reference.agent).dofs if not dof.displaces}
+    labels = [dof_label(dof) + (" *" if dof in still else "") for dof in DOF_ORDER]
+    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 6.4))
+    settled = flatland.commutation.settled_world
+    titles = {
+        flatland.reference.world: "the room as it is: some things move by themselves",
+        settled: f"nothing moves by itself, {flatland.commutation.settled_rest_steps} steps of rest",
+    }
+    for axes, (world, title) in zip((left, right), titles.items(), strict=True):
+        image = _matrix(axes, table[table["world"] == world], labels)
+        axes.set_title(title)
+    right.set_yticks([])
+    figure.colorbar(image, ax=(left, right), label="probability that a then b ends like b then a", shrink=0.8)
+    figure.suptitle(
+        f"Which sequences commute? {table['n'].iloc[0]:,} experiments per pair, threshold 0; ±: half of the 95 % interval\n"
+        "diagonal: two different sequences of one degree of freedom; *: displaces nothing",
+        fontsize=10,
     )
     return figure

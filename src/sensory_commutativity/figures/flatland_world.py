@@ -35,9 +35,9 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     for dof in world.dofs:
         lines.append(f"{dof_label(dof.name):18s} {np.format_float_positional(dof.speed, trim='-')} {'' if dof.unit == '1' else dof.unit}")
     notes.text(0, 0.98, "\n".join(lines), va="top", family="DejaVu Sans Mono", fontsize=7.5, transform=notes.transAxes)
-    kinds = (("fixed", 2.4, "-"), ("movable", 0.8, "-"), ("moving, with its path", 1.4, ":"))
-    handles = [Line2D([], [], marker="o", markersize=12, markerfacecolor="#dddddd", markeredgecolor="black", markeredgewidth=w, linestyle=s if s == ":" else "",
-                      color="black", label=name) for name, w, s in kinds]  # fmt: skip
+    dot = dict(marker="o", markersize=12, markerfacecolor="#dddddd", markeredgecolor="black", linestyle="")
+    handles = [Line2D([], [], markeredgewidth=width, label=name, **dot) for name, width in (("fixed", 2.4), ("movable", 0.8))]
+    handles.append(Line2D([], [], color="black", linestyle=":", linewidth=1.4, label="moving (dotted outline), along the dotted path"))
     handles.append(Line2D([], [], marker="s", markersize=12, color="#ffd94d", alpha=0.5, linestyle="", label="field of view"))
-    notes.legend(handles=handles, loc="lower left", labelspacing=1.4)
+    notes.legend(handles=handles, loc="lower left", labelspacing=1.4, fontsize=8)
     return figure

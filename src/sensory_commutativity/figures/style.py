@@ -91,9 +91,7 @@ def dof_bars(axes: Axes, dofs: list[str], values: np.ndarray, low: np.ndarray, h
     axes.set_xticks(range(len(dofs)), [dof_label(d) for d in dofs], rotation=45, ha="right", rotation_mode="anchor")
     if values_format:
         for x, (value, top) in enumerate(zip(values, np.asarray(high), strict=True)):
-            axes.annotate(
-                format(value, values_format), (x, max(value, top)), textcoords="offset points", xytext=(0, 3), ha="center", fontsize=7
-            )
+            axes.annotate(format(value, values_format), (x, max(value, top)), textcoords="offset points", xytext=(0, 3), ha="center", fontsize=7)
 
 
 def p_text(p: float) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...compiled import njit
 
+
 def ray_directions(pixels: int, field_of_view: float) -> np.ndarray:
     """Unit vectors of the rays in the eye's frame (x ahead, y left), from right to left: float64 (pixels, 2)."""
     angles = field_of_view * ((np.arange(pixels) + 0.5) / pixels - 0.5)
@@ -112,8 +113,8 @@ def _pixels_covered(cx, cy, radius, pixels, step, field_of_view, view_range):
 @njit()
 def _pixels_between(low, high, pixels, step, field_of_view):
     """Half-open range of pixels whose rays lie between two directions, rad, widened by a pixel for rounding."""
-    first = int(math.floor((low + field_of_view / 2) / step - 0.5))
-    last = int(math.ceil((high + field_of_view / 2) / step - 0.5)) + 1
+    first = math.floor((low + field_of_view / 2) / step - 0.5)
+    last = math.ceil((high + field_of_view / 2) / step - 0.5) + 1
     return max(0, first), min(pixels, last)
 
 

@@ -59,9 +59,7 @@ class FlatlandVectorEnv(VectorEnv):
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012  (Gymnasium's own form)
 
-    def __init__(
-        self, num_envs: int = 1, room: Room | None = None, agent: Polyphemus | None = None, max_episode_steps: int = MAX_EPISODE_STEPS
-    ):
+    def __init__(self, num_envs: int = 1, room: Room | None = None, agent: Polyphemus | None = None, max_episode_steps: int = MAX_EPISODE_STEPS):
         self.num_envs = num_envs
         self.max_episode_steps = max_episode_steps
         self._worlds = [FlatlandWorld(room, agent) for _ in range(num_envs)]

@@ -1,0 +1,103 @@
+"""How fast the worlds are, on one core of this machine: prints a table. Run by `make bench`.
+
+Each figure is measured REPEATS times after a warm-up and given as minimum, median and maximum: machines are noisy, quote the median.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import platform
+import statistics
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from sensory_commutativity.config import load
+from sensory_commutativity.seeding import generator
+from sensory_commutativity.stages.flatland_experiments import run_experiments
+from sensory_commutativity.worlds.flatland.room import Room
+from sensory_commutativity.worlds.flatland.vector import FlatlandVectorEnv
+from sensory_commutativity.worlds.flatland.world import FlatlandWorld
+
+REPEATS = 7
+
+
+def world_steps() -> float:
+    """Steps with an observation each, per second: 40 random start situations with 10 things, 250 random actions of all degrees of freedom in each."""
+    world, rng, elapsed = FlatlandWorld(Room(things=10)), generator(1, "bench"), 0.0
+    for _ in range(40):
+        world.reset(rng)
+        actions = rng.uniform(-1, 1, (250, 8))
+        begin = time.perf_counter()
+        world.watch(actions)
+        elapsed += time.perf_counter() - begin
+    return 40 * 250 / elapsed
+
+
+def single_steps() -> float:
+    """The same, one Python call of step() and one of observe() for each action."""
+    world, rng = FlatlandWorld(Room(things=10)), generator(1, "bench")
+    world.reset(rng)
+    actions = rng.uniform(-1, 1, (2000, 8))
+    begin = time.perf_counter()
+    for action in actions:
+        world.step(action)
+        world.observe()
+    return 2000 / (time.perf_counter() - begin)
+
+
+def vector_steps() -> float:
+    """Environment steps per second of 32 rooms over two episodes each, resets included."""
+    environment, rng = FlatlandVectorEnv(32), np.random.default_rng(1)
+    n = 2 * environment.max_episode_steps
+    actions = rng.uniform(-1, 1, (n, 32, 8)).astype(np.float32)
+    begin = time.perf_counter()
+    environment.reset(seed=1)
+    for action in actions:
+        environment.step(action)
+    return n * 32 / (time.perf_counter() - begin)
+
+
+def resets() -> float:
+    """Random start situations drawn and built, per second."""
+    world, rng = FlatlandWorld(Room(things=10)), generator(1, "bench")
+    begin = time.perf_counter()
+    for _ in range(300):
+        world.reset(rng)
+    return 300 / (time.perf_counter() - begin)
+
+
+def sc_experiments() -> float:
+    """SC-experiments of 50 actions per second, start situations and distances included."""
+    config = load("config/default.yaml")
+    run = config.flatland.runs()[0]
+    begin = time.perf_counter()
+    run_experiments(config, run, 0, 40)
+    return 40 * 8 / (time.perf_counter() - begin)
+
+
+MEASURES: tuple[tuple[str, Callable[[], float], float | None], ...] = (
+    ("world: steps with observation / s (10 things)", world_steps, 30_000),
+    ("world: the same from single Python calls / s", single_steps, None),
+    ("vectorised environment: steps / s (32 rooms, resets)", vector_steps, 30_000),
+    ("world: resets / s (10 things)", resets, None),
+    ("SC-experiments / s (furnished room, 50 actions)", sc_experiments, None),
+)
+
+
+def main() -> None:
+    print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}; one core used, {REPEATS} repeats\n")
+    print(f"{'measure':54s} {'min':>9s} {'median':>9s} {'max':>9s} {'at least':>9s}")
+    for name, measure, wanted in MEASURES:
+        measure()  # warm-up: compile, fill caches
+        values = sorted(measure() for _ in range(REPEATS))
+        goal = f"{wanted:9,.0f}" if wanted else ""
+        print(f"{name:54s} {values[0]:9,.0f} {statistics.median(values):9,.0f} {values[-1]:9,.0f} {goal}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,51 @@
+"""Fixtures for all tests."""
+
+from __future__ import annotations
+
+import pytest
+import yaml
+from hypothesis import settings
+
+from sensory_commutativity.config import Config, load, validate
+
+from .helpers import DEFAULT, changed
+
+settings.register_profile("repeatable", max_examples=50, deadline=None, derandomize=True)
+settings.load_profile("repeatable")
+
+
+@pytest.fixture(scope="session")
+def default_config() -> Config:
+    return load(DEFAULT)
+
+
+@pytest.fixture
+def default_settings() -> dict:
+    """What config/default.yaml holds, to be spoilt."""
+    return yaml.safe_load(DEFAULT.read_text())
+
+
+@pytest.fixture(scope="session")
+def tiny_config(default_config: Config) -> Config:
+    """So small that a stage takes no time."""
+    some = {"experiments": 3}
+    return changed(
+        default_config,
+        sequence_length=4,
+        reference={"experiments": 5},
+        free_space=some,
+        combinations=some,
+        variants=some,
+        sensitivity={"lengths": [2, 6], **some},
+        commutation=some,
+        baselines={"transitions": 100, "training": 52, "epochs": 1, "batch_size": 16},
+        experiments_per_job=3,
+    )
+
+
+@pytest.fixture(scope="session")
+def tiny_config_file(tiny_config: Config, tmp_path_factory) -> str:
+    file = tmp_path_factory.mktemp("config") / "tiny.yaml"
+    file.write_text(yaml.safe_dump(tiny_config.model_dump(mode="json")))
+    assert validate(yaml.safe_load(file.read_text())) == tiny_config
+    return str(file)
