@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-from conftest import ENVIRONMENT, command, copy_workflow, hashes, snakemake
 
+from conftest import ENVIRONMENT, command, copy_workflow, hashes, snakemake
 from sensory_commutativity.config import load
 from sensory_commutativity.figures.catalogue import FIGURES
 from sensory_commutativity.tables import TABLES, read_table

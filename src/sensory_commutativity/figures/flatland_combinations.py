@@ -9,15 +9,27 @@ from matplotlib.figure import Figure
 
 from ..config import Config
 from ..seeding import generator, seed_for
+from ..stages.flatland_trends import ARM_LENGTH, OBJECTS
 from ..worlds.flatland.drawing import draw_room
 from ..worlds.flatland.from_config import flatland_world
-from .style import DOF_ORDER, GREY, dof_bars, probability_axis
+from .style import DOF_ORDER, dof_bars, dof_label, probability_axis
+
+ALPHA = 0.001
 
 
 def _example(axes: Axes, config: Config, world: str, agent: str) -> None:
     example = flatland_world(config.flatland, world, agent)
     example.reset(generator(seed_for(config.seed, "flatland", world, agent, 0), "situation"))
     draw_room(axes, example)
+
+
+def _marked(dof: str, trends: pd.DataFrame, agent: str) -> str:
+    """The label of a degree of freedom, with a mark for each trend that it shows."""
+    marks = ((OBJECTS, agent, "*"), (ARM_LENGTH, "all worlds", "†"))
+    found = [
+        mark for trend, stratum, mark in marks if (trend, stratum, dof) in trends.index and trends.loc[(trend, stratum, dof), "p_adjusted"] < ALPHA
+    ]
+    return f"{dof_label(dof)} {''.join(found)}".strip()
 
 
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
@@ -27,7 +39,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     scp = scp[scp["threshold"] == 0].set_index(["world", "agent", "dof"]).sort_index()
     trends = tables["flatland_trends"].set_index(["trend", "stratum", "dof"])
     figure, grid = plt.subplots(
-        2 * len(agents), len(worlds), figsize=(3.1 * len(worlds), 5.4 * len(agents)), height_ratios=[1.15, 1] * len(agents), squeeze=False
+        2 * len(agents), len(worlds), figsize=(3.1 * len(worlds), 6.2 * len(agents)), height_ratios=[1.1, 1] * len(agents), squeeze=False
     )
     for i, agent in enumerate(agents):
         for j, world in enumerate(worlds):
@@ -38,14 +50,11 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
             rows = scp.loc[(world, agent)].loc[DOF_ORDER]
             dof_bars(bars, DOF_ORDER, rows["scp"], rows["ci_low"], rows["ci_high"], ".2f")
             probability_axis(bars, "SCP" if j == 0 else "")
-            if i + 1 < len(agents):
-                bars.set_xticklabels([])
-            if j + 1 == len(worlds):
-                falling = [d for d in DOF_ORDER if trends.loc[("more objects", agent, d), "p_adjusted"] < 0.001]
-                text = ", ".join(d.replace("-", " ") for d in falling) or "none"
-                bars.annotate(
-                    f"trend with objects, p < 0.001:\n{text}", (1.02, 0.5), xycoords="axes fraction", fontsize=7, color=GREY, rotation=90, va="center"
-                )
+            bars.set_xticks(range(len(DOF_ORDER)), [_marked(dof, trends, agent) for dof in DOF_ORDER])
     n = int(scp.loc[(worlds[0], agents[0])]["n"].iloc[0])
-    figure.suptitle(f"SCP at threshold 0 in rooms with more objects (columns) and for longer arms (rows); {n:,} experiments per bar", fontsize=11)
+    figure.suptitle(
+        f"SCP at threshold 0 in rooms with more objects (columns) and for longer arms (rows); {n:,} experiments per bar, 95 % intervals\n"
+        f"*: changes with the number of objects in this row; †: changes with arm length (p < {ALPHA}, Holm-corrected)",
+        fontsize=11,
+    )
     return figure

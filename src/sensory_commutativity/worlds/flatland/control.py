@@ -110,9 +110,10 @@ def advance(step_space, read_body, write_body, wiring, body, paths, scene, inner
     seen : uint8 (steps or 1, pixels, 3), written
     """
     now, ahead = np.empty((N_LINKS, 6)), np.empty((N_LINKS, 3))
-    base, wanted, joint_rate = np.empty(3), np.empty(3), np.empty(4)
+    action, joint_rate = np.empty(actions.shape[1]), np.empty(4)
     for t in range(actions.shape[0]):
-        action = np.minimum(np.maximum(actions[t], -1.0), 1.0) * body.speeds
+        for k in range(len(action)):
+            action[k] = _clip(actions[t, k], -1.0, 1.0) * body.speeds[k]
         inner[HEAD] += _on_grid(action[2])
         inner[EYELID] = _clip(inner[EYELID] + _on_grid(action[3]), body.eyelid_low, body.eyelid_high)
         inner[TIME] += 1.0
@@ -124,19 +125,19 @@ def advance(step_space, read_body, write_body, wiring, body, paths, scene, inner
                     now[i, k] = wiring.state[k]
                 for k in range(3):
                     ahead[i, k] = now[i, k] + now[i, 3 + k] * DT
-            _drive_base(inner, ahead, action, body.speeds, base)
+            base_vx, base_vy, base_w = _drive_base(inner, ahead, action, body.speeds)
             _drive_joints(inner, ahead, action, body, joint_rate)
-            _force(write_body, wiring, body, 0, now, now[0, 0], now[0, 1], base)
+            _force(write_body, wiring, body, 0, now, now[0, 0], now[0, 1], base_vx, base_vy, base_w)
             for side in range(2):  # velocities and places of a rigid linkage, from the base outwards
                 sign = 1.0 if side == 0 else -1.0
                 x_to, y_to = -sign * body.base_radius * math.sin(ahead[0, 2]), sign * body.base_radius * math.cos(ahead[0, 2])
                 x, y = ahead[0, 0] + x_to, ahead[0, 1] + y_to
-                vx, vy, w = base[0] - base[2] * y_to, base[1] + base[2] * x_to, base[2]
+                vx, vy, w = base_vx - base_w * y_to, base_vy + base_w * x_to, base_w
                 for i in range(1 + 2 * side, 3 + 2 * side):
                     w += joint_rate[i - 1]
                     x_to, y_to = body.arm_length / 2 * math.cos(ahead[i, 2]), body.arm_length / 2 * math.sin(ahead[i, 2])
-                    wanted[0], wanted[1], wanted[2] = vx - w * y_to, vy + w * x_to, w
-                    _force(write_body, wiring, body, i, now, x + x_to - now[i, 3] * DT, y + y_to - now[i, 4] * DT, wanted)
+                    place_x, place_y = x + x_to - now[i, 3] * DT, y + y_to - now[i, 4] * DT
+                    _force(write_body, wiring, body, i, now, place_x, place_y, vx - w * y_to, vy + w * x_to, w)
                     x, y = x + 2 * x_to, y + 2 * y_to
                     vx, vy = vx - w * 2 * y_to, vy + w * 2 * x_to
             step_space(wiring.space, DT)
@@ -147,17 +148,19 @@ def advance(step_space, read_body, write_body, wiring, body, paths, scene, inner
 
 
 @njit()
-def _drive_base(inner, ahead, action, speeds, out):
-    """Move the base's target and write the velocity (x, y, angular) that leads to it."""
+def _drive_base(inner, ahead, action, speeds):
+    """Move the base's target and return the velocity (x, y, angular) that leads to it."""
     turn = _on_grid(action[1] * DT)
     heading = _within(inner[2], ahead[0, 2], SLACK[2])
     move_x, move_y = _on_grid(action[0] * DT * math.cos(heading)), _on_grid(action[0] * DT * math.sin(heading))
     inner[0] = _within(inner[0], ahead[0, 0], SLACK[0]) + move_x
     inner[1] = _within(inner[1], ahead[0, 1], SLACK[1]) + move_y
     inner[2] = heading + turn
-    out[0] = _velocity(inner[0] - ahead[0, 0], move_x, speeds[0])
-    out[1] = _velocity(inner[1] - ahead[0, 1], move_y, speeds[0])
-    out[2] = _velocity(inner[2] - ahead[0, 2], turn, speeds[1])
+    return (
+        _velocity(inner[0] - ahead[0, 0], move_x, speeds[0]),
+        _velocity(inner[1] - ahead[0, 1], move_y, speeds[0]),
+        _velocity(inner[2] - ahead[0, 2], turn, speeds[1]),
+    )
 
 
 @njit()
@@ -177,12 +180,12 @@ def _velocity(error, command, speed):
 
 
 @njit()
-def _force(write_body, wiring, body, i, now, x, y, wanted):
-    """Put link `i` at (x, y) and apply the force and torque after which Chipmunk starts to solve from the velocity `wanted`."""
+def _force(write_body, wiring, body, i, now, x, y, vx, vy, w):
+    """Put link `i` at (x, y) and apply the force and torque after which Chipmunk starts to solve from the velocity (vx, vy, w)."""
     wiring.force[0], wiring.force[1] = x, y
-    wiring.force[2] = body.mass[i] * (wanted[0] - now[i, 3] * body.damping) / DT
-    wiring.force[3] = body.mass[i] * (wanted[1] - now[i, 4] * body.damping) / DT
-    wiring.force[4] = body.moment[i] * (wanted[2] - now[i, 5] * body.damping) / DT
+    wiring.force[2] = body.mass[i] * (vx - now[i, 3] * body.damping) / DT
+    wiring.force[3] = body.mass[i] * (vy - now[i, 4] * body.damping) / DT
+    wiring.force[4] = body.moment[i] * (w - now[i, 5] * body.damping) / DT
     wiring.force_cursor[0] = 0
     write_body(wiring.links[i], wiring.force_channel)
 

@@ -6,9 +6,9 @@ colours (paper, section III-A). Things are placed one after the other, so that a
 
 from __future__ import annotations
 
-import colorsys
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -94,12 +94,9 @@ class Situation:
 
 def draw_situation(room: Room, agent: Polyphemus, rng: np.random.Generator) -> Situation:
     """Draw where the agent stands and then what is around it. Raises PlacementError when a thing finds no place."""
-    outline = _draw_agent(room, agent, rng)
+    links, outline = _draw_agent(room, agent, rng)
     n = room.things
-    kind = np.array([KIND_CYCLE[i % len(KIND_CYCLE)] for i in range(n)], np.int64)
-    turn = np.arange(n) // len(KIND_CYCLE)
-    vertices = np.array([SHAPE_CYCLE[(i + t) % len(SHAPE_CYCLE)] for i, t in enumerate(turn)], np.int64)
-    corners = np.array([PATH_CYCLE[t % len(PATH_CYCLE)] if k == MOVING else 0 for k, t in zip(kind, turn, strict=True)], np.int64)
+    kind, vertices, corners = _assortment(n)
     radius, pose, path, phase = np.empty(n), np.empty((n, 3)), np.zeros((n, MAX_CORNERS, 2)), np.zeros(n)
     margin = room.clearance + (room.wall_thickness / 2 if room.walls else 0.0)
     failed = _draw_things(
@@ -113,13 +110,26 @@ def draw_situation(room: Room, agent: Polyphemus, rng: np.random.Generator) -> S
         )
     first_hue = rng.random()
     return Situation(
-        links=agent.link_poses(*outline[0]), kind=kind, vertices=vertices, radius=radius, pose=pose,
+        links=links, kind=kind, vertices=vertices, radius=radius, pose=pose,
         colour=_colours(n, first_hue), corners=corners, path=path, phase=phase,
     )  # fmt: skip
 
 
-def _draw_agent(room: Room, agent: Polyphemus, rng: np.random.Generator) -> np.ndarray:
-    """Return (x, y, heading), then the shoulder, elbow and hand of each arm as (x, y, 0): float64 (7, 3), all of it inside the walls."""
+@lru_cache
+def _assortment(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Kinds, numbers of vertices and numbers of path corners of `n` things: int64 (n,) each."""
+    kind = [KIND_CYCLE[i % len(KIND_CYCLE)] for i in range(n)]
+    turn = [i // len(KIND_CYCLE) for i in range(n)]
+    vertices = [SHAPE_CYCLE[(i + t) % len(SHAPE_CYCLE)] for i, t in enumerate(turn)]
+    corners = [PATH_CYCLE[t % len(PATH_CYCLE)] if k == MOVING else 0 for k, t in zip(kind, turn, strict=True)]
+    return np.array(kind, np.int64), np.array(vertices, np.int64), np.array(corners, np.int64)
+
+
+def _draw_agent(room: Room, agent: Polyphemus, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Draw where the agent stands, all of it inside the walls.
+
+    Returns its links' poses, float64 (5, 3), and its outline: (x, y, heading), then shoulder, elbow and hand of each arm, (x, y), float64 (7, 3).
+    """
     margin = (room.wall_thickness / 2 + room.clearance) if room.walls else -math.inf
     limit = np.array([room.width, room.height])
     inset = room.start_margin if room.walls else 0.0
@@ -134,15 +144,17 @@ def _draw_agent(room: Room, agent: Polyphemus, rng: np.random.Generator) -> np.n
         if (points >= reach).all() and (points <= limit - reach).all():
             outline = np.zeros((7, 3))
             outline[:, :2], outline[0, 2] = points, heading
-            return outline
+            return links, outline
     raise PlacementError(f"the agent does not fit into a room of {room.width:g} x {room.height:g}; make the room larger or the arms shorter")
 
 
 def _colours(n: int, first_hue: float) -> np.ndarray:
     """`n` vivid colours, uint8 (n, 3), their hues spread by the golden ratio so that all differ."""
     golden = (math.sqrt(5) - 1) / 2
-    rgb = [colorsys.hsv_to_rgb((first_hue + i * golden) % 1.0, 1.0 if i % 2 == 0 else 0.6, 1.0) for i in range(n)]
-    return np.round(255 * np.array(rgb).reshape(n, 3)).astype(np.uint8)
+    hue = (first_hue + golden * np.arange(n)[:, None]) % 1.0
+    saturation = np.where(np.arange(n)[:, None] % 2 == 0, 1.0, 0.6)
+    pure = np.clip(np.abs((6 * hue + (0.0, 4.0, 2.0)) % 6 - 3) - 1, 0.0, 1.0)  # from hue to red, green and blue
+    return np.round(255 * (1 - saturation * (1 - pure))).astype(np.uint8)
 
 
 @njit()

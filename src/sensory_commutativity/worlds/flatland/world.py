@@ -235,7 +235,9 @@ class FlatlandWorld:
 
 def _place(body: pymunk.Body, state: np.ndarray) -> pymunk.Body:
     x, y, angle, vx, vy, angular = state.tolist()
-    body.position, body.angle, body.velocity, body.angular_velocity = (x, y), angle, (vx, vy), angular
+    body.position, body.angle = (x, y), angle
+    if vx or vy or angular:
+        body.velocity, body.angular_velocity = (vx, vy), angular
     return body
 
 
