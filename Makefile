@@ -6,7 +6,7 @@ CORES ?= all
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
-SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet progress --rerun-incomplete
+SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet host reason --rerun-incomplete
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 .PHONY: all default paper report bench test lint format lock schema clean help

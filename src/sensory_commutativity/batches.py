@@ -8,10 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
-from tqdm import tqdm
 
 from .config import Config
 from .errors import TableError
+from .progress import progress
 from .tables import read_table, write_table
 
 Compute = Callable[[int, int], pd.DataFrame]
@@ -38,7 +38,7 @@ def in_batches(name: str, compute: Compute, start: int, stop: int, out: Path, co
         shutil.rmtree(stale) if stale.is_dir() else stale.unlink()
     frames = []
     bounds = [(low, min(low + batch, stop)) for low in range(start, stop, batch)]
-    for low, high in tqdm(bounds, desc=out.stem, unit="batch", disable=None, leave=False):
+    for low, high in progress(bounds, out.stem, "batch"):
         path = kept / f"{low:08d}-{high:08d}.parquet"
         try:
             frame = read_table(name, path)

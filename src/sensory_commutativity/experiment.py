@@ -9,7 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .sequences import compose, no_op, permute
+from .distances import Distance, mean_squared_error
+from .seeding import generator
+from .sequences import compose, no_op, permute, sample_sequence
 from .worlds.base import Snapshot, World, play
 
 REST_STEPS = 3
@@ -43,3 +45,32 @@ def sc_experiment(world: World, start: Snapshot, sequence: np.ndarray, rng: np.r
 def commutation_experiment(world: World, start: Snapshot, h: np.ndarray, g: np.ndarray, rest_steps: int = REST_STEPS) -> Outcome:
     """Do two sequences commute? First `h` then `g`, against first `g` then `h` (Philipona's conjecture, section II-C)."""
     return compare_orders(world, start, compose(h, g), compose(g, h), rest_steps)
+
+
+def distances_per_dof(
+    world: World, seed: int, length: int, distance: Distance = mean_squared_error, rest_steps: int = REST_STEPS
+) -> dict[str, float]:
+    """One SC-experiment of every degree of freedom, all from the same random start situation.
+
+    Parameters
+    ----------
+    world : World
+        Is reset.
+    seed : int
+        Everything random follows from it: the situation, and a sequence and a permutation for each degree of freedom by its name.
+    length : int
+        Actions in a sequence.
+
+    Returns
+    -------
+    dict
+        Name of the degree of freedom -> distance of the two final observations.
+    """
+    world.reset(generator(seed, "situation"))
+    start = world.snapshot()
+    found = {}
+    for k, dof in enumerate(world.dofs):
+        rng = generator(seed, "sequence", dof.name)
+        sequence = sample_sequence(rng, length, k, len(world.dofs))
+        found[dof.name] = distance(*sc_experiment(world, start, sequence, rng, rest_steps))
+    return found

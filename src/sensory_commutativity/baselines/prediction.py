@@ -11,6 +11,7 @@ import torch
 from torch import nn
 
 from ..config import BaselinesConfig
+from ..progress import progress
 from .transitions import Transitions
 
 
@@ -46,7 +47,7 @@ def prediction_error(transitions: Transitions, settings: BaselinesConfig, seed: 
     inputs, targets = _inputs_and_targets(Transitions(transitions.observations[:training], transitions.actions[:training]))
     network = make_network(inputs.shape[1], targets.shape[1])
     optimiser = torch.optim.Adam(network.parameters(), lr=settings.learning_rate)
-    for _ in range(settings.epochs):
+    for _ in progress(range(settings.epochs), "training the network", "epoch"):
         for chosen in torch.randperm(len(inputs)).split(settings.batch_size):
             optimiser.zero_grad(set_to_none=True)
             nn.functional.mse_loss(network(inputs[chosen]), targets[chosen]).backward()

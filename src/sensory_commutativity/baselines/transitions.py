@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..config import Config
+from ..progress import progress
 from ..seeding import generator, seed_for
 from ..sequences import sample_sequence
 from ..worlds.flatland.from_config import flatland_world
@@ -34,7 +35,7 @@ def collect_transitions(config: Config, dof: str) -> Transitions:
     n = flatland.baselines.transitions // length
     observations = np.empty((n, length + 1, world.agent.pixels, 3), np.uint8)
     actions = np.empty((n, length, len(names)), np.float32)
-    for i in range(n):
+    for i in progress(range(n), "collecting transitions", "sequence"):
         seed = seed_for(config.seed, "transitions", flatland.reference.world, flatland.reference.agent, i)
         world.reset(generator(seed, "situation"))
         sequence = sample_sequence(generator(seed, "sequence", dof), length, k, len(names))

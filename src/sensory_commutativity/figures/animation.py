@@ -12,6 +12,7 @@ from ..config import Config
 from ..distances import mean_squared_error
 from ..errors import ConfigError
 from ..experiment import final_observation
+from ..progress import progress
 from ..seeding import generator, seed_for
 from ..sequences import compose, no_op, permute, sample_sequence
 from ..tables import written_whole
@@ -74,7 +75,7 @@ def animate_experiment(config: Config, dof: str, out: Path) -> None:
         with writer.saving(figure, str(temporary), dpi=90):
             views = frame(0)
             writer.grab_frame()
-            for step in range(len(films[0])):
+            for step in progress(range(len(films[0])), "filming", "step"):
                 for world, film in zip(worlds, films, strict=True):
                     world.step(film[step])
                 views = frame(step + 1)

@@ -12,10 +12,8 @@ import pandas as pd
 
 from ..batches import forget_batches, in_batches
 from ..config import Config, Run
-from ..distances import mean_squared_error
-from ..experiment import sc_experiment
-from ..seeding import generator, seed_for
-from ..sequences import sample_sequence
+from ..experiment import distances_per_dof
+from ..seeding import seed_for
 from ..tables import TABLES, write_table
 from ..worlds.flatland.from_config import flatland_world
 
@@ -29,13 +27,8 @@ def run_experiments(config: Config, run: Run, start: int, stop: int) -> pd.DataF
     rows = []
     for i in range(start, stop):
         seed = seed_for(config.seed, "flatland", run.world, run.agent, i)
-        world.reset(generator(seed, "situation"))
-        situation = world.snapshot()
-        for k, dof in enumerate(world.dofs):
-            rng = generator(seed, "sequence", dof.name)
-            sequence = sample_sequence(rng, run.length, k, len(world.dofs))
-            outcome = sc_experiment(world, situation, sequence, rng, config.flatland.rest_steps)
-            rows.append((run.world, run.agent, run.length, dof.name, i, seed, mean_squared_error(*outcome)))
+        found = distances_per_dof(world, seed, run.length, rest_steps=config.flatland.rest_steps)
+        rows += [(run.world, run.agent, run.length, dof, i, seed, distance) for dof, distance in found.items()]
     return pd.DataFrame(rows, columns=_COLUMNS)
 
 

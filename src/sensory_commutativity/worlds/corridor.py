@@ -1,8 +1,8 @@
 """The smallest world: an agent in a corridor with a box and a wall. A template for your own, and a world with known answers.
 
-The agent stands at an integer place on a line and sees three numbers: where it is, where the box is, and both through its eyelid. It moves by
-whole places (the sign of the action); a box in its way is pushed, and nothing passes the wall. Every hook that the experiment needs is here, in
-a few lines of Python.
+The agent stands at an integer place on a line and senses three numbers: where it is, where the box is, and how far its eyelid is open. It moves by
+whole places and the eyelid by quarters (the sign of the action); a box in its way is pushed, and nothing passes the wall. Whole places and quarters
+are exact in floating point, so that sums do not depend on their order: 0.1 + 0.2 + 0.3 does. Every hook that the experiment needs is here.
 
 >>> import numpy as np
 >>> world = Corridor(wall=3, box=None)
@@ -58,7 +58,7 @@ class Corridor:
                 agent, box = to, box + 1
         elif to <= self._wall:
             agent = to
-        self._place = (agent, box, eyelid + self.dofs[1].speed * float(action[1]))
+        self._place = (agent, box, eyelid + self.dofs[1].speed * float(np.sign(action[1])))
 
     def observe(self) -> np.ndarray:
         """Place of the agent, place of the box, eyelid: float64 (3,)."""
