@@ -37,7 +37,7 @@ def tiny_config(default_config: Config) -> Config:
         combinations=some,
         variants=some,
         sensitivity={"lengths": [2, 6], **some},
-        commutation=some,
+        commutation={"settled_rest_steps": 5, **some},
         baselines={"transitions": 100, "training": 52, "epochs": 1, "batch_size": 16},
         experiments_per_job=3,
     )

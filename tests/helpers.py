@@ -23,7 +23,8 @@ FREE_SPACE = Room(things=0, walls=False)
 EMPTY = Room(things=0)
 
 _flatland = load(DEFAULT).flatland
-FLATLAND_PAIRS = list(dict.fromkeys((run.world, run.agent) for run in _flatland.runs()))
+_runs = [(run.world, run.agent) for run in _flatland.runs()] + [(world, _flatland.reference.agent) for world in _flatland.commutation_worlds()]
+FLATLAND_PAIRS = list(dict.fromkeys(_runs))
 """Every (world, agent) that config/default.yaml uses."""
 
 WALLED_PAIRS = [pair for pair in FLATLAND_PAIRS if _flatland.worlds[pair[0]].walls]

@@ -34,7 +34,6 @@ wildcard_constraints:
     world="|".join(FLATLAND.worlds),
     agent="|".join(FLATLAND.agents),
     dof="|".join(DOFS),
-    figure="|".join(FIGURES),
     length=r"\d+",
     part=r"\d+",
     parts=r"\d+",
