@@ -34,7 +34,8 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     table, flatland = tables["flatland_commutation"], config.flatland
     still = {dof.name for dof in flatland_agent(flatland, flatland.reference.agent).dofs if not dof.displaces}
     labels = [dof_label(dof) + (" *" if dof in still else "") for dof in DOF_ORDER]
-    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 6.4))
+    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 7.2))
+    figure.get_layout_engine().set(rect=(0.0, 0.03, 1.0, 0.94))
     settled = flatland.commutation.settled_world
     titles = {
         flatland.reference.world: "the room as it is: some things move by themselves",
@@ -42,12 +43,13 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     }
     for axes, (world, title) in zip((left, right), titles.items(), strict=True):
         image = _matrix(axes, table[table["world"] == world], labels)
-        axes.set_title(title)
+        axes.set_title(title, pad=8)
     right.set_yticks([])
     figure.colorbar(image, ax=(left, right), label="probability that a then b ends like b then a", shrink=0.8)
     figure.suptitle(
         f"Which sequences commute? {table['n'].iloc[0]:,} experiments per pair, threshold 0; ±: half of the 95 % interval\n"
         "diagonal: two different sequences of one degree of freedom; *: displaces nothing",
         fontsize=10,
+        y=0.99,
     )
     return figure
