@@ -29,4 +29,3 @@ rule all:
     default_target: True
     input:
         figures(),
-        TABLES / "paper_comparison.parquet",

@@ -26,7 +26,11 @@ for figure, needed in FIGURES.items():
         output:
             png=report(
                 DRAWN / f"{figure}.png",
-                category="Flatland",
+                category=(
+                    "Flatland"
+                    if figure.startswith("flatland")
+                    else "The paper's claims"
+                ),
                 caption=f"../report/{figure}.rst",
                 labels={"figure": figure},
             ),

@@ -10,5 +10,6 @@ FIGURES: dict[str, tuple[str, ...]] = {
     "flatland_commutation": ("flatland_commutation",),
     "flatland_sensitivity": ("flatland_sensitivity",),
     "flatland_free_space": ("flatland_scp",),
+    "paper_comparison": ("paper_comparison",),
 }
 """Figure -> tables. A figure is drawn by the module of its name, which has a function ``draw(tables, config)`` that returns a matplotlib figure."""
