@@ -7,20 +7,27 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet host reason --rerun-incomplete
+# A Snakemake that was killed leaves its lock behind; it is taken away when none is running.
+UNLOCK := pgrep -f bin/snakemake > /dev/null || $(BIN)/snakemake --unlock --quiet all
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: all default paper report bench test lint format lock schema clean help
+.PHONY: all default paper bench test lint format lock schema clean help
 .DEFAULT_GOAL := default
+
+all: default
 
 default: $(READY)  ## run the default profile: figures and report in minutes
 	$(BIN)/sensory-commutativity check config/default.yaml
+	@$(UNLOCK)
 	$(SNAKEMAKE)
 	$(SNAKEMAKE) --report results/default/report.html
 	@echo "figures: results/default/figures; report: results/default/report.html"
 
 paper: $(READY)  ## run the paper's sizes (committed under results/paper)
 	$(BIN)/sensory-commutativity check config/default.yaml config/paper.yaml
+	@$(UNLOCK)
 	$(SNAKEMAKE) --configfile config/paper.yaml
+	@$(UNLOCK)
 	$(SNAKEMAKE) --configfile config/paper.yaml --report results/paper/report.html
 	@echo "figures: results/paper/figures; report: results/paper/report.html"
 

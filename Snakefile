@@ -22,7 +22,6 @@ report: "workflow/report/workflow.rst"
 
 localrules:
     all,
-    resolve,
 
 
 rule all:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from . import __version__
 from .config import Config
 from .errors import TableError
 from .progress import progress
@@ -28,12 +29,12 @@ def in_batches(name: str, compute: Compute, start: int, stop: int, out: Path, co
     out : Path
         The file that the caller will write; finished batches lie in a folder named after it, which :func:`forget_batches` removes.
     settings : str
-        All that the rows depend on; batches of other settings are thrown away.
+        All that the rows depend on; batches of other settings, or of another version of the package, are thrown away.
     batch : int
         Units in a batch; some seconds of work.
     """
     folder = _folder(out)
-    kept = folder / hashlib.sha256(settings.encode()).hexdigest()[:16]
+    kept = folder / hashlib.sha256(f"{__version__} {settings}".encode()).hexdigest()[:16]
     for stale in [p for p in folder.glob("*") if p != kept]:
         shutil.rmtree(stale) if stale.is_dir() else stale.unlink()
     frames = []

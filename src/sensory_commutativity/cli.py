@@ -13,7 +13,7 @@ from pathlib import Path
 
 import click
 
-from .config import Config, json_schema, load, validate
+from .config import Config, json_schema, load, write_resolved
 from .errors import UserError
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
@@ -43,6 +43,11 @@ class _Part(click.ParamType):
         return i, n
 
 
+def _check_parts(part: tuple[int, int], n: int) -> None:
+    if part[1] != n:
+        raise click.BadParameter(f"the configuration cuts this work into {n} parts, not {part[1]}; give I/{n}", param_hint="--part")
+
+
 with_config = click.option("--config", type=_Config(), required=True, help="Configuration, e.g. results/default/config.yaml.")
 with_out = click.option("--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="File to write.")
 with_parts = click.argument("parts", nargs=-1, required=True, type=click.Path(path_type=Path))
@@ -69,32 +74,24 @@ def main() -> None:
 @main.command()
 @click.argument("files", nargs=-1, required=True)
 def check(files: tuple[str, ...]) -> None:
-    """Check config FILES, each laid over the ones before, and the folder that the results go to."""
+    """Check config FILES, each laid over the ones before: settings, the folder for results, and that agents and things fit into their rooms."""
     from .folders import check_writable
+    from .worlds.flatland.from_config import check_rooms
 
     config = load(*files)
     check_writable(config.folder)
+    check_rooms(config)
     runs = config.flatland.runs()
-    n = 8 * sum(run.experiments for run in runs)
-    click.echo(f"profile {config.profile}: {n:,} SC-experiments in {len(runs)} runs; results go to {config.folder}")
+    n = sum(run.experiments for run in runs)
+    click.echo(f"profile {config.profile}: {n:,} SC-experiments of each degree of freedom in {len(runs)} runs; results go to {config.folder}")
 
 
 @main.command()
-@click.option("--settings", required=True, help="All settings, as JSON.")
+@click.argument("files", nargs=-1, required=True)
 @with_out
-def resolve(settings: str, out: Path) -> None:
-    """Check SETTINGS and write them, with every default filled in, as the YAML file that the other commands read."""
-    import yaml
-
-    from .tables import written_whole
-
-    try:
-        config = validate(json.loads(settings))
-    except json.JSONDecodeError as error:
-        raise click.BadParameter(f"not valid JSON ({error})", param_hint="--settings") from None
-    text = "# Written by the workflow: all settings of this run, defaults filled in.\n"
-    with written_whole(out) as temporary:
-        temporary.write_text(text + yaml.safe_dump(config.model_dump(mode="json"), sort_keys=False))
+def resolve(files: tuple[str, ...], out: Path) -> None:
+    """Check config FILES, each laid over the ones before, and write all settings with every default filled in."""
+    write_resolved(load(*files), out)
 
 
 @main.command()
@@ -112,7 +109,7 @@ def schema(out: Path) -> None:
 @click.option("--world", required=True, help="A key of flatland.worlds.")
 @click.option("--agent", required=True, help="A key of flatland.agents.")
 @click.option("--length", type=click.IntRange(1), required=True, help="Actions in a sequence.")
-@click.option("--part", type=_Part(), default="1/1", show_default=True, help="Which share of the experiments.")
+@click.option("--part", type=_Part(), required=True, help="Which of the shares that the configuration cuts the work into.")
 @with_out
 def flatland_experiments_part(config: Config, world: str, agent: str, length: int, part: tuple[int, int], out: Path) -> None:
     """Play a share of the SC-experiments of an agent in a world."""
@@ -122,7 +119,9 @@ def flatland_experiments_part(config: Config, world: str, agent: str, length: in
     if (world, agent, length) not in runs:
         known = "; ".join(f"{w} {a} {n}" for w, a, n in runs)
         raise click.UsageError(f"the configuration has no run of world {world!r}, agent {agent!r}, length {length}; it has: {known}")
-    write_experiments(config, runs[world, agent, length], part[0] - 1, out)
+    run = runs[world, agent, length]
+    _check_parts(part, config.flatland.n_jobs(run.experiments))
+    write_experiments(config, run, part[0] - 1, out)
 
 
 @main.command()
@@ -183,7 +182,7 @@ def flatland_trends(config: Config, flatland_scp: Path, out: Path) -> None:
 @main.command()
 @with_config
 @click.option("--world", required=True, help="The reference world or the settled one.")
-@click.option("--part", type=_Part(), default="1/1", show_default=True, help="Which share of the experiments.")
+@click.option("--part", type=_Part(), required=True, help="Which of the shares that the configuration cuts the work into.")
 @with_out
 def flatland_commutation_part(config: Config, world: str, part: tuple[int, int], out: Path) -> None:
     """Play a share of the experiments on pairs of degrees of freedom."""
@@ -192,6 +191,7 @@ def flatland_commutation_part(config: Config, world: str, part: tuple[int, int],
     known = config.flatland.commutation_worlds()
     if world not in known:
         raise click.BadParameter(f"no commutation experiments in {world!r}; choose one of {', '.join(known)}", param_hint="--world")
+    _check_parts(part, config.flatland.n_commutation_jobs)
     write_commutation_experiments(config, world, part[0] - 1, out)
 
 
@@ -291,6 +291,9 @@ def run() -> None:
         main(standalone_mode=False)
     except click.exceptions.Exit as leave:
         sys.exit(leave.exit_code)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.ctx.get_help() if error.ctx else main.get_help(click.Context(main)), err=True)
+        sys.exit(2)
     except click.ClickException as error:
         where = f" ({error.ctx.command_path} --help)" if isinstance(error, click.UsageError) and error.ctx else ""
         _fail(error.format_message() + where)

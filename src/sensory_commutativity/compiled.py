@@ -1,7 +1,8 @@
 """Compiling loops with numba, and keeping what was compiled.
 
 numba notices when the file of a compiled function changes, but not when a file does whose functions were compiled into it. So the cache lies
-in a folder named after all the package's sources: edit any of them and everything is compiled anew, once.
+in a folder named after the sources of all worlds: edit any of them and everything is compiled anew, once. The folder is set for the whole process,
+unless NUMBA_CACHE_DIR is.
 """
 
 from __future__ import annotations
@@ -16,12 +17,9 @@ import numba
 
 
 def _cache_folder() -> Path:
-    package = Path(__file__).parent
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(package.rglob("*.py")):
-        text = source.read_bytes()
-        if b"njit" in text:
-            digest.update(text)
+    for source in sorted((Path(__file__).parent / "worlds").rglob("*.py")):
+        digest.update(source.read_bytes())
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     if not os.access(base if base.exists() else base.parent, os.W_OK):
         base = Path(tempfile.gettempdir())

@@ -123,7 +123,7 @@ class FlatlandConfig(_Section):
     sequence_length: int = Field(50, ge=1, le=2000, description="Actions in a sequence (authors: 50).")
     rest_steps: int = Field(3, ge=0, le=100, description="Steps without a command that end each sequence.")
     thresholds: list[Annotated[float, Field(ge=0)]] = Field(
-        [0.0, 1.0, 10.0, 100.0, 1000.0], min_length=1, description="Distances up to which two observations count as equal; the first is the main one."
+        [0.0, 1.0, 10.0, 100.0, 1000.0], min_length=1, description="Distances up to which two observations count as equal; must hold 0, the paper's."
     )
     agents: dict[Name, AgentConfig] = Field(min_length=1)
     worlds: dict[Name, WorldConfig] = Field(min_length=1)
@@ -154,6 +154,14 @@ class FlatlandConfig(_Section):
         for name in self.free_space.worlds:
             if self.worlds[name].walls or self.worlds[name].things:
                 raise ValueError(f"free_space.worlds names {name!r}, which has walls or things; give it walls: false and things: 0")
+        for key, values in (("thresholds", self.thresholds), ("sensitivity.lengths", self.sensitivity.lengths)):
+            if len(set(values)) < len(values):
+                raise ValueError(f"{key} holds a number twice in {values}; remove one")
+        if self.sensitivity.experiments > self.reference.experiments:
+            raise ValueError(
+                f"sensitivity.experiments {self.sensitivity.experiments} is more than reference.experiments {self.reference.experiments}, "
+                "from which the main length is taken; set it no higher"
+            )
         if self.sequence_length in self.sensitivity.lengths:
             raise ValueError(f"sensitivity.lengths holds the main sequence_length {self.sequence_length}, which is always there; remove it")
         if self.baselines.transitions % self.sequence_length or self.baselines.training % self.sequence_length:
@@ -173,6 +181,15 @@ class FlatlandConfig(_Section):
     def commutation_per_job(self) -> int:
         """How many commutation experiments make a job: each plays the 36 pairs of 8 degrees of freedom, about ten times an SC-experiment's work."""
         return max(1, self.experiments_per_job // 10)
+
+    def n_jobs(self, experiments: int) -> int:
+        """Into how many jobs so many SC-experiments are cut."""
+        return math.ceil(experiments / self.experiments_per_job)
+
+    @property
+    def n_commutation_jobs(self) -> int:
+        """Into how many jobs the commutation experiments of a world are cut."""
+        return math.ceil(self.commutation.experiments / self.commutation_per_job)
 
     def commutation_worlds(self) -> dict[str, int]:
         """The worlds of the commutation experiments, and the steps of rest that end each order there."""
@@ -197,7 +214,9 @@ class Config(_Section):
     """The whole configuration."""
 
     profile: Name = Field(description="Name of the run; results lie in a folder of this name.")
-    results: str = Field("results", min_length=1, max_length=200, description="Folder that holds the results of all profiles.")
+    results: Annotated[str, StringConstraints(pattern=r"^[^{}~*?\x00-\x1f]+$")] = Field(
+        "results", max_length=200, description="Folder that holds the results of all profiles; no braces, wildcards or ~ in its name."
+    )
     seed: int = Field(ge=0, lt=2**63, description="The root seed; everything random follows from it.")
     flatland: FlatlandConfig
 
@@ -220,14 +239,27 @@ def validate(settings: Any) -> Config:
     """Check settings (what a YAML file holds) and return them typed. Raises ConfigError with one line that names the key and the remedy."""
     if not isinstance(settings, dict):
         raise ConfigError(f"config: expected a mapping of keys to values, got {type(settings).__name__}; see config/README.md")
+    _refuse_what_json_has_not(settings, "config")
     try:
-        text = json.dumps(settings, allow_nan=False)
-    except (TypeError, ValueError) as error:
-        raise ConfigError(f"config: holds a value that is no number, text, list or mapping ({error}); see config/README.md") from None
-    try:
-        return Config.model_validate_json(text)
+        return Config.model_validate_json(json.dumps(settings))
     except ValidationError as error:
         raise ConfigError(_explain(error)) from None
+
+
+def _refuse_what_json_has_not(value: Any, key: str) -> None:
+    """YAML knows dates, infinities and keys that are no text; a configuration may not hold them."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            if not isinstance(name, str):
+                raise ConfigError(f"{key}: the key {name!r} is no text; put it in quotes or remove it")
+            _refuse_what_json_has_not(inner, f"{key}.{name}")
+    elif isinstance(value, list):
+        for i, inner in enumerate(value):
+            _refuse_what_json_has_not(inner, f"{key}.{i}")
+    elif not (value is None or isinstance(value, str | bool | int | float)):
+        raise ConfigError(f"{key}: {value!r} is a {type(value).__name__}; put it in quotes if it is meant as text")
+    elif isinstance(value, float) and not math.isfinite(value):
+        raise ConfigError(f"{key}: {value!r} is not a finite number; set a finite one, or null where the key allows it")
 
 
 def _explain(error: ValidationError) -> str:
@@ -241,7 +273,8 @@ def _explain(error: ValidationError) -> str:
     elif first["type"] == "value_error":
         message = str(first["ctx"]["error"])
     else:
-        message = f"{first['msg'][0].lower()}{first['msg'][1:]}, got {_short(first['input'])}; set a value in that range (see config/README.md)"
+        remedy = "write numbers without quotes and as 0.001 or 1.0e-3" if isinstance(first["input"], str) else "set such a value"
+        message = f"{first['msg'][0].lower()}{first['msg'][1:]}, got {_short(first['input'])}; {remedy} (see config/README.md)"
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
     return f"config: {key}: {message}{more}"
 
@@ -291,6 +324,18 @@ def load(*files: str | Path) -> Config:
             raise ConfigError(f"{file}: expected a mapping of keys to values at the top; see config/README.md")
         settings = merge(settings, layer)
     return validate(settings)
+
+
+def write_resolved(config: Config, path: Path) -> None:
+    """Write all settings, defaults filled in, as the YAML file that the commands read; a file that already says the same is left alone."""
+    head = "# Written by the workflow: all settings of this run, defaults filled in.\n"
+    text = head + yaml.safe_dump(config.model_dump(mode="json"), sort_keys=False)
+    if path.exists() and path.read_text(encoding="utf-8") == text:
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.part")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(path)
 
 
 def json_schema() -> dict[str, Any]:

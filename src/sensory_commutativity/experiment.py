@@ -15,7 +15,7 @@ from .sequences import compose, no_op, permute, sample_sequence
 from .worlds.base import Snapshot, World, play
 
 REST_STEPS = 3
-"""Steps without a command that end each order, so that what is compared is at rest; chosen, two are enough in Flatland."""
+"""Steps without a command that end each order, so that what is compared is at rest; chosen: in Flatland's free space one is enough."""
 
 
 class Outcome(NamedTuple):

@@ -10,14 +10,15 @@ from .errors import ConfigError
 
 def check_writable(folder: Path) -> None:
     """Raise ConfigError when `folder` cannot be made or written to; leaves nothing behind."""
-    existing = folder
-    while not existing.exists():
-        existing = existing.parent
     remedy = "set the key 'results' to a folder that you may write to"
-    if not existing.is_dir():
-        raise ConfigError(f"{existing}: is a file, so results cannot go to {folder}; {remedy}")
     try:
-        with tempfile.TemporaryFile(dir=existing):
-            pass
+        existing = next(path for path in (folder, *folder.parents) if path.exists())
+        if not existing.is_dir():
+            raise ConfigError(f"{existing}: is a file, so results cannot go to {folder}; {remedy}")
+        inner = [path for path in existing.iterdir() if path.is_dir()] if existing == folder else []
+        for place in (existing, *inner):
+            with tempfile.TemporaryFile(dir=place):
+                pass
     except OSError as error:
-        raise ConfigError(f"{existing}: cannot be written to ({error.strerror}), so results cannot go to {folder}; {remedy}") from None
+        where = error.filename or folder
+        raise ConfigError(f"{where}: cannot be written to ({error.strerror}), so results cannot go to {folder}; {remedy}") from None

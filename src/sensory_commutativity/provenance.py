@@ -23,6 +23,8 @@ def _git_commit() -> str:
         return subprocess.run(["git", "-C", str(here), *arguments], capture_output=True, text=True, check=True, timeout=10).stdout.strip()
 
     try:
+        if Path(git("rev-parse", "--show-toplevel")).resolve() != here:
+            return "unknown"  # installed inside somebody else's repository
         changed = git("status", "--porcelain", "--", "src", "workflow", "config", "Snakefile")
         return git("rev-parse", "HEAD") + ("-dirty" if changed else "")
     except (OSError, subprocess.SubprocessError):
@@ -30,7 +32,7 @@ def _git_commit() -> str:
 
 
 def provenance(config: Config) -> dict[str, str]:
-    """Config hash, root seed, git commit, platform and package versions; the same for every table of a run."""
+    """Config hash, root seed, git commit, platform and package versions; of the run that wrote a table."""
     versions = {}
     for package in PACKAGES:
         try:

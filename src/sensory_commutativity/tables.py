@@ -6,6 +6,7 @@ and renamed, so that whatever has its final name is complete.
 
 from __future__ import annotations
 
+import glob
 import os
 import tempfile
 from collections.abc import Iterator
@@ -20,6 +21,9 @@ import pyarrow.parquet as pq
 from .config import Config
 from .errors import TableError
 from .provenance import provenance
+
+NULLABLE = ("ci_low", "ci_high", "excess_error", "spearman", "kendall")
+"""Columns that may be empty: where there is no single number, or it is not defined."""
 
 
 class Column(NamedTuple):
@@ -133,9 +137,7 @@ TABLES: dict[str, tuple[Column, ...]] = {
 
 def schema(name: str) -> pa.Schema:
     """The Arrow schema of the table `name`, units and descriptions in each field's metadata."""
-    fields = [
-        pa.field(c.name, c.type, nullable=c.name.startswith("ci_"), metadata={"unit": c.unit, "description": c.description}) for c in TABLES[name]
-    ]
+    fields = [pa.field(c.name, c.type, nullable=c.name in NULLABLE, metadata={"unit": c.unit, "description": c.description}) for c in TABLES[name]]
     return pa.schema(fields)
 
 
@@ -143,6 +145,8 @@ def schema(name: str) -> pa.Schema:
 def written_whole(path: Path) -> Iterator[Path]:
     """Give a temporary path beside `path` to write to; it gets its final name only when all went well."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part*"):  # by a process that was killed
+        left.unlink(missing_ok=True)
     handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=f".part{path.suffix}", dir=path.parent)
     os.close(handle)
     try:

@@ -1,18 +1,22 @@
 # What all rules share: the checked configuration, the folders, and when a rule must run again.
 import hashlib
 import json
-import math
 import sys
+from pathlib import Path
 
 from sensory_commutativity import __version__
-from sensory_commutativity.config import validate
+from sensory_commutativity.config import validate, write_resolved
 from sensory_commutativity.errors import UserError
 from sensory_commutativity.figures.catalogue import FIGURES
+from sensory_commutativity.figures.catalogue import COMPARED
 from sensory_commutativity.folders import check_writable
+from sensory_commutativity.worlds.flatland.agent import Polyphemus
+from sensory_commutativity.worlds.flatland.from_config import check_rooms
 
 try:
     CONFIG = validate(config)
     check_writable(CONFIG.folder)
+    check_rooms(CONFIG)
 except UserError as error:
     print(f"error: {error}", file=sys.stderr)
     sys.exit(2)
@@ -23,11 +27,13 @@ TABLES = RESULTS / "tables"
 DRAWN = RESULTS / "figures"
 LOGS = RESULTS / "logs"
 BENCHMARKS = RESULTS / "benchmarks"
-RESOLVED = RESULTS / "config.yaml"
+RESOLVED = (
+    RESULTS / "config.yaml"
+)  # no rule's input: what a rule depends on is in its params
 
 FLATLAND = CONFIG.flatland
 RUNS = {f"{run.world}.{run.agent}.{run.length}": run for run in FLATLAND.runs()}
-DOFS = "base-longitudinal base-rotation head eyelid left-shoulder left-elbow right-shoulder right-elbow".split()
+DOFS = [dof.name for dof in Polyphemus().dofs]
 
 
 wildcard_constraints:
@@ -48,18 +54,5 @@ def digest(*settings):
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def n_parts(experiments, per_job=FLATLAND.experiments_per_job):
-    return math.ceil(experiments / per_job)
-
-
-rule resolve:
-    output:
-        RESOLVED,
-    log:
-        LOGS / "resolve.log",
-    params:
-        settings=json.dumps(CONFIG.model_dump(mode="json")),
-    message:
-        "writing all settings to {output}"
-    shell:
-        "sensory-commutativity resolve --settings {params.settings:q} --out {output:q} 2> {log:q}"
+onstart:
+    write_resolved(CONFIG, Path(RESOLVED))

@@ -1,14 +1,4 @@
 # What people look at: one figure per module of its name, the animation, and the paper's claims beside ours.
-COMPARED = [
-    "flatland_scp",
-    "flatland_comparisons",
-    "flatland_trends",
-    "flatland_commutation",
-    "flatland_baselines",
-    "flatland_alternatives",
-]
-
-
 def figures():
     """Every figure as PNG and PDF, and the animation."""
     drawn = [DRAWN / f"{name}.{kind}" for name in FIGURES for kind in ("png", "pdf")]
@@ -21,7 +11,6 @@ for figure, needed in FIGURES.items():
         name:
             f"figure_{figure}"
         input:
-            config=ancient(RESOLVED),
             tables=[TABLES / f"{table}.parquet" for table in needed],
         output:
             png=report(
@@ -44,12 +33,10 @@ for figure, needed in FIGURES.items():
         message:
             "drawing {params.figure}"
         shell:
-            "sensory-commutativity figure {params.figure} --config {input.config:q} --tables {params.tables:q} --out {output.png:q} 2> {log:q}"
+            "sensory-commutativity figure {params.figure} --config {RESOLVED:q} --tables {params.tables:q} --out {output.png:q} 2> {log:q}"
 
 
 rule animation:
-    input:
-        config=ancient(RESOLVED),
     output:
         report(
             DRAWN / "flatland_experiment.gif",
@@ -60,16 +47,15 @@ rule animation:
     log:
         LOGS / "animation.log",
     params:
-        settings=reference(),
+        settings=reference(FLATLAND.rest_steps),
     message:
         "animating one SC-experiment"
     shell:
-        "sensory-commutativity animation --config {input.config:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity animation --config {RESOLVED:q} --out {output:q} 2> {log:q}"
 
 
 rule paper_comparison:
     input:
-        config=ancient(RESOLVED),
         tables=[TABLES / f"{name}.parquet" for name in COMPARED],
     output:
         TABLES / "paper_comparison.parquet",
@@ -81,4 +67,4 @@ rule paper_comparison:
     message:
         "setting the paper's claims beside ours"
     shell:
-        "sensory-commutativity paper-comparison --config {input.config:q} --tables {params.tables:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity paper-comparison --config {RESOLVED:q} --tables {params.tables:q} --out {output:q} 2> {log:q}"

@@ -2,12 +2,14 @@
 
 
 def reference(*more):
-    """Settings of the reference agent in the reference world."""
+    """Settings of the reference agent in the reference world, and their names, which are part of the seeds."""
+    world, agent = FLATLAND.reference.world, FLATLAND.reference.agent
     return digest(
-        FLATLAND.worlds[FLATLAND.reference.world],
-        FLATLAND.agents[FLATLAND.reference.agent],
+        world,
+        FLATLAND.worlds[world],
+        agent,
+        FLATLAND.agents[agent],
         FLATLAND.sequence_length,
-        FLATLAND.rest_steps,
         *more,
     )
 
@@ -16,14 +18,14 @@ def experiment_parts(wildcards):
     return [
         DATA
         / "flatland_experiments"
-        / f"{name}.{i + 1}-of-{n_parts(run.experiments)}.parquet"
+        / f"{name}.{i + 1}-of-{FLATLAND.n_jobs(run.experiments)}.parquet"
         for name, run in RUNS.items()
-        for i in range(n_parts(run.experiments))
+        for i in range(FLATLAND.n_jobs(run.experiments))
     ]
 
 
 def commutation_parts(wildcards):
-    n = n_parts(FLATLAND.commutation.experiments, FLATLAND.commutation_per_job)
+    n = FLATLAND.n_commutation_jobs
     return [
         DATA / "flatland_commutation" / f"{world}.{i + 1}-of-{n}.parquet"
         for world in FLATLAND.commutation_worlds()
@@ -32,8 +34,6 @@ def commutation_parts(wildcards):
 
 
 rule flatland_experiments_part:
-    input:
-        config=ancient(RESOLVED),
     output:
         DATA
         / "flatland_experiments"
@@ -60,13 +60,12 @@ rule flatland_experiments_part:
     message:
         "SC-experiments of {wildcards.agent} in {wildcards.world}, length {wildcards.length}, part {wildcards.part} of {wildcards.parts}"
     shell:
-        "sensory-commutativity flatland-experiments-part --config {input.config:q} --world {wildcards.world} --agent {wildcards.agent}"
+        "sensory-commutativity flatland-experiments-part --config {RESOLVED:q} --world {wildcards.world} --agent {wildcards.agent}"
         " --length {wildcards.length} --part {wildcards.part}/{wildcards.parts} --out {output:q} 2> {log:q}"
 
 
 rule flatland_experiments:
     input:
-        config=ancient(RESOLVED),
         parts=experiment_parts,
     output:
         TABLES / "flatland_experiments.parquet",
@@ -75,12 +74,11 @@ rule flatland_experiments:
     message:
         "gathering all SC-experiments"
     shell:
-        "sensory-commutativity flatland-experiments --config {input.config:q} --out {output:q} {input.parts:q} 2> {log:q}"
+        "sensory-commutativity flatland-experiments --config {RESOLVED:q} --out {output:q} {input.parts:q} 2> {log:q}"
 
 
 rule flatland_scp:
     input:
-        config=ancient(RESOLVED),
         flatland_experiments=TABLES / "flatland_experiments.parquet",
     output:
         TABLES / "flatland_scp.parquet",
@@ -91,13 +89,12 @@ rule flatland_scp:
     message:
         "estimating the SCP of every degree of freedom"
     shell:
-        "sensory-commutativity flatland-scp --config {input.config:q} --flatland-experiments {input.flatland_experiments:q}"
+        "sensory-commutativity flatland-scp --config {RESOLVED:q} --flatland-experiments {input.flatland_experiments:q}"
         " --out {output:q} 2> {log:q}"
 
 
 rule flatland_sensitivity:
     input:
-        config=ancient(RESOLVED),
         flatland_experiments=TABLES / "flatland_experiments.parquet",
     output:
         TABLES / "flatland_sensitivity.parquet",
@@ -108,13 +105,12 @@ rule flatland_sensitivity:
     message:
         "estimating the SCP for all sequence lengths"
     shell:
-        "sensory-commutativity flatland-sensitivity --config {input.config:q} --flatland-experiments {input.flatland_experiments:q}"
+        "sensory-commutativity flatland-sensitivity --config {RESOLVED:q} --flatland-experiments {input.flatland_experiments:q}"
         " --out {output:q} 2> {log:q}"
 
 
 rule flatland_comparisons:
     input:
-        config=ancient(RESOLVED),
         flatland_experiments=TABLES / "flatland_experiments.parquet",
     output:
         TABLES / "flatland_comparisons.parquet",
@@ -123,13 +119,12 @@ rule flatland_comparisons:
     message:
         "comparing degrees of freedom in pairs"
     shell:
-        "sensory-commutativity flatland-comparisons --config {input.config:q} --flatland-experiments {input.flatland_experiments:q}"
+        "sensory-commutativity flatland-comparisons --config {RESOLVED:q} --flatland-experiments {input.flatland_experiments:q}"
         " --out {output:q} 2> {log:q}"
 
 
 rule flatland_trends:
     input:
-        config=ancient(RESOLVED),
         flatland_scp=TABLES / "flatland_scp.parquet",
     output:
         TABLES / "flatland_trends.parquet",
@@ -140,12 +135,10 @@ rule flatland_trends:
     message:
         "testing for trends with objects and arm length"
     shell:
-        "sensory-commutativity flatland-trends --config {input.config:q} --flatland-scp {input.flatland_scp:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity flatland-trends --config {RESOLVED:q} --flatland-scp {input.flatland_scp:q} --out {output:q} 2> {log:q}"
 
 
 rule flatland_commutation_part:
-    input:
-        config=ancient(RESOLVED),
     output:
         DATA / "flatland_commutation" / "{world}.{part}-of-{parts}.parquet",
     log:
@@ -164,13 +157,12 @@ rule flatland_commutation_part:
     message:
         "experiments on pairs of degrees of freedom in {wildcards.world}, part {wildcards.part} of {wildcards.parts}"
     shell:
-        "sensory-commutativity flatland-commutation-part --config {input.config:q} --world {wildcards.world} --part {wildcards.part}/{wildcards.parts}"
+        "sensory-commutativity flatland-commutation-part --config {RESOLVED:q} --world {wildcards.world} --part {wildcards.part}/{wildcards.parts}"
         " --out {output:q} 2> {log:q}"
 
 
 rule flatland_commutation:
     input:
-        config=ancient(RESOLVED),
         parts=commutation_parts,
     output:
         TABLES / "flatland_commutation.parquet",
@@ -179,12 +171,10 @@ rule flatland_commutation:
     message:
         "estimating which degrees of freedom commute"
     shell:
-        "sensory-commutativity flatland-commutation --config {input.config:q} --out {output:q} {input.parts:q} 2> {log:q}"
+        "sensory-commutativity flatland-commutation --config {RESOLVED:q} --out {output:q} {input.parts:q} 2> {log:q}"
 
 
 rule flatland_baselines_part:
-    input:
-        config=ancient(RESOLVED),
     output:
         DATA / "flatland_baselines" / "{dof}.parquet",
     log:
@@ -199,12 +189,11 @@ rule flatland_baselines_part:
     message:
         "naive change and prediction error of {wildcards.dof}"
     shell:
-        "sensory-commutativity flatland-baselines-part --config {input.config:q} --dof {wildcards.dof} --out {output:q} 2> {log:q}"
+        "sensory-commutativity flatland-baselines-part --config {RESOLVED:q} --dof {wildcards.dof} --out {output:q} 2> {log:q}"
 
 
 rule flatland_baselines:
     input:
-        config=ancient(RESOLVED),
         parts=expand(DATA / "flatland_baselines" / "{dof}.parquet", dof=DOFS),
     output:
         TABLES / "flatland_baselines.parquet",
@@ -213,12 +202,11 @@ rule flatland_baselines:
     message:
         "gathering the alternatives to the SCP"
     shell:
-        "sensory-commutativity flatland-baselines --config {input.config:q} --out {output:q} {input.parts:q} 2> {log:q}"
+        "sensory-commutativity flatland-baselines --config {RESOLVED:q} --out {output:q} {input.parts:q} 2> {log:q}"
 
 
 rule flatland_alternatives:
     input:
-        config=ancient(RESOLVED),
         flatland_baselines=TABLES / "flatland_baselines.parquet",
         flatland_scp=TABLES / "flatland_scp.parquet",
     output:
@@ -228,5 +216,5 @@ rule flatland_alternatives:
     message:
         "correlating the alternatives with the SCP"
     shell:
-        "sensory-commutativity flatland-alternatives --config {input.config:q} --flatland-baselines {input.flatland_baselines:q}"
+        "sensory-commutativity flatland-alternatives --config {RESOLVED:q} --flatland-baselines {input.flatland_baselines:q}"
         " --flatland-scp {input.flatland_scp:q} --out {output:q} 2> {log:q}"

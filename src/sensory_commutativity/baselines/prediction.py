@@ -40,18 +40,21 @@ def prediction_error(transitions: Transitions, settings: BaselinesConfig, seed: 
         Mean squared error of the predicted observation, averaged over each test sequence; squared 8-bit colour.
     """
     torch.set_num_threads(1)
-    torch.manual_seed(seed)
-    torch.use_deterministic_algorithms(True)
     length = transitions.actions.shape[1]
     training = settings.training // length
     inputs, targets = _inputs_and_targets(Transitions(transitions.observations[:training], transitions.actions[:training]))
-    network = make_network(inputs.shape[1], targets.shape[1])
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        network = make_network(inputs.shape[1], targets.shape[1])
+    shuffle = torch.Generator().manual_seed(seed)
     optimiser = torch.optim.Adam(network.parameters(), lr=settings.learning_rate)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, settings.epochs)
     for _ in progress(range(settings.epochs), "training the network", "epoch"):
-        for chosen in torch.randperm(len(inputs)).split(settings.batch_size):
+        for chosen in torch.randperm(len(inputs), generator=shuffle).split(settings.batch_size):
             optimiser.zero_grad(set_to_none=True)
             nn.functional.mse_loss(network(inputs[chosen]), targets[chosen]).backward()
             optimiser.step()
+        schedule.step()
     inputs, targets = _inputs_and_targets(Transitions(transitions.observations[training:], transitions.actions[training:]))
     with torch.no_grad():
         squared = ((network(inputs) - targets) * 255).square().mean(1)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+COMPARED = ("flatland_scp", "flatland_comparisons", "flatland_trends", "flatland_commutation", "flatland_baselines", "flatland_alternatives")
+"""Tables that the table paper_comparison is made from."""
+
 FIGURES: dict[str, tuple[str, ...]] = {
     "flatland_world": (),
-    "flatland_scp": ("flatland_scp", "flatland_comparisons", "flatland_baselines", "flatland_alternatives"),
+    "flatland_scp": ("flatland_scp", "flatland_baselines", "flatland_alternatives"),
     "flatland_comparisons": ("flatland_comparisons",),
     "flatland_combinations": ("flatland_scp", "flatland_trends"),
     "flatland_commutation": ("flatland_commutation",),

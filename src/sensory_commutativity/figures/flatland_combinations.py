@@ -10,11 +10,10 @@ from matplotlib.figure import Figure
 from ..config import Config
 from ..seeding import generator, seed_for
 from ..stages.flatland_trends import ARM_LENGTH, OBJECTS
+from ..statistics.hierarchy import ALPHA
 from ..worlds.flatland.drawing import draw_room
 from ..worlds.flatland.from_config import flatland_world
 from .style import DOF_ORDER, dof_bars, dof_label, probability_axis
-
-ALPHA = 0.001
 
 
 def _example(axes: Axes, config: Config, world: str, agent: str) -> None:
@@ -48,7 +47,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
             things = flatland.worlds[world].things
             picture.set_title(f"{agent}: arms of 2 × {flatland.agents[agent].arm_length:g} units\n{things} objects", fontsize=9)
             rows = scp.loc[(world, agent)].loc[DOF_ORDER]
-            dof_bars(bars, DOF_ORDER, rows["scp"], rows["ci_low"], rows["ci_high"], ".2f")
+            dof_bars(bars, DOF_ORDER, rows["scp"], rows["ci_low"], rows["ci_high"], digits=2)
             probability_axis(bars, "SCP" if j == 0 else "")
             bars.set_xticks(range(len(DOF_ORDER)), [_marked(dof, trends, agent) for dof in DOF_ORDER])
     n = int(scp.loc[(worlds[0], agents[0])]["n"].iloc[0])

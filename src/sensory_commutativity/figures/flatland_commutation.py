@@ -10,7 +10,7 @@ from matplotlib.image import AxesImage
 
 from ..config import Config
 from ..worlds.flatland.from_config import flatland_agent
-from .style import DOF_ORDER, dof_label
+from .style import DOF_ORDER, dof_label, probability_text
 
 
 def _matrix(axes: Axes, table: pd.DataFrame, labels: list[str]) -> AxesImage:
@@ -21,8 +21,7 @@ def _matrix(axes: Axes, table: pd.DataFrame, labels: list[str]) -> AxesImage:
     image = axes.imshow(probability, vmin=0, vmax=1, cmap="cividis")
     for (i, j), value in pd.DataFrame(probability).stack().items():
         colour = "black" if value > 0.55 else "white"
-        # only 1 itself is written as 1, and nothing below it is rounded up to it
-        axes.text(j, i - 0.1, "1" if value == 1 else f"{min(value, 0.999):.3f}", ha="center", va="center", color=colour, fontsize=8)
+        axes.text(j, i - 0.1, probability_text(value, 3), ha="center", va="center", color=colour, fontsize=8)
         axes.text(j, i + 0.25, f"±{(high[i, j] - low[i, j]) / 2:.3f}", ha="center", va="center", color=colour, fontsize=6)
     axes.set_xticks(range(len(labels)), labels, rotation=45, ha="right", rotation_mode="anchor")
     axes.set_yticks(range(len(labels)), labels)

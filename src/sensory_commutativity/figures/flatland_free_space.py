@@ -14,7 +14,7 @@ _MARKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"), (PURPLE, "D"), (BLACK, "v
 
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     flatland = config.flatland
-    empty = [world for world in flatland.combinations.worlds if flatland.worlds[world].things == 0]
+    empty = [world for world in flatland.combinations.worlds if flatland.worlds[world].things == 0 and flatland.worlds[world].walls]
     cases = [(w, a, "unbounded") for w in flatland.free_space.worlds for a in flatland.free_space.agents]
     cases += [(w, a, "closed, empty") for w in empty for a in flatland.combinations.agents]
     scp = tables["flatland_scp"]
@@ -32,6 +32,6 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     lowest = min(scp.loc[(w, a)]["ci_low"].min() for w, a, _ in cases)
     axes.set_ylim(max(0.0, lowest - 0.05), 1.02)
     axes.set_ylabel("SCP at threshold 0")
-    axes.set_title("With nothing to touch, everything commutes; joint stops and walls are things to touch")
+    axes.set_title("SCP where there is nothing to touch but joint stops and walls")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncol=2)
     return figure

@@ -14,7 +14,7 @@ from .style import DOF_ORDER, dof_bars, p_text, probability_axis, reference_rows
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4.4))
     scp = reference_rows(tables["flatland_scp"], config)
-    dof_bars(left, DOF_ORDER, scp["scp"], scp["ci_low"], scp["ci_high"], ".3f")
+    dof_bars(left, DOF_ORDER, scp["scp"], scp["ci_low"], scp["ci_high"], digits=3)
     probability_axis(left, "SCP at threshold 0")
     left.set_title(f"Sensory commutativity probability\n{scp['n'].iloc[0]:,} experiments per degree of freedom\n95 % intervals")
 

@@ -40,5 +40,6 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     right.set_ylabel("")
     right.set_title(f"SCP against threshold, {main} actions")
     right.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    figure.suptitle(f"SCP in the furnished room; {table['n'].iloc[0]:,} experiments per point, 95 % intervals shaded", fontsize=10)
+    where = f"{config.flatland.reference.agent} in the world {config.flatland.reference.world}"
+    figure.suptitle(f"SCP of {where}; {table['n'].iloc[0]:,} experiments per point, 95 % intervals shaded", fontsize=10)
     return figure

@@ -82,16 +82,21 @@ def reference_rows(scp: pd.DataFrame, config: Config, threshold: float = 0.0) ->
     return rows.set_index("dof").loc[DOF_ORDER].reset_index()
 
 
-def dof_bars(axes: Axes, dofs: list[str], values: np.ndarray, low: np.ndarray, high: np.ndarray, values_format: str = "") -> None:
+def dof_bars(axes: Axes, dofs: list[str], values: np.ndarray, low: np.ndarray, high: np.ndarray, digits: int | None = None) -> None:
     """A bar per degree of freedom, coloured as everywhere, with the interval [low, high] and, if asked, its value above."""
     values = np.asarray(values, float)
     error = np.maximum(0.0, [values - np.asarray(low), np.asarray(high) - values])
     axes.bar(range(len(dofs)), values, color=[DOF_COLOURS[d] for d in dofs], width=0.75)
     axes.errorbar(range(len(dofs)), values, yerr=error, fmt="none", ecolor="#444444", elinewidth=1.2, capsize=2.5)
     axes.set_xticks(range(len(dofs)), [dof_label(d) for d in dofs], rotation=45, ha="right", rotation_mode="anchor")
-    if values_format:
+    if digits is not None:
         for x, (value, top) in enumerate(zip(values, np.asarray(high), strict=True)):
-            axes.annotate(format(value, values_format), (x, max(value, top)), textcoords="offset points", xytext=(0, 3), ha="center", fontsize=7)
+            axes.annotate(probability_text(value, digits), (x, max(value, top)), textcoords="offset points", xytext=(0, 3), ha="center", fontsize=7)
+
+
+def probability_text(value: float, digits: int) -> str:
+    """A probability for people: only 1 itself is written as 1, and nothing below it is rounded up to it."""
+    return "1" if value == 1 else f"{min(value, 1 - 10**-digits):.{digits}f}"
 
 
 def p_text(p: float) -> str:

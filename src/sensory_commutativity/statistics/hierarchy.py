@@ -1,10 +1,13 @@
-"""The paper's hierarchy of the degrees of freedom (section III-C), as pairs to compare."""
+"""The paper's hierarchy of the degrees of freedom (section III-C), as pairs to compare, and what counts as found."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import pandas as pd
+
+ALPHA = 0.001
+"""Adjusted p-value below which a difference counts as found; fixed before the run."""
 
 Pairs = tuple[tuple[str, str], ...]
 

@@ -27,7 +27,7 @@ class Dof:
     unit : str
         Unit of what an action moves: ``rad``, ``units`` (of length in Flatland), ``1`` (a pure number).
     speed : float
-        What an action of 1 moves in one step, in `unit`. An action of -1 moves as much the other way.
+        What an action of 1 moves in all, in `unit`; a world may show the end of the motion a little later. An action of -1 moves it back.
     low, high : float
         Range of the moved quantity relative to its start, in `unit`; infinite where nothing stops it.
     displaces : bool

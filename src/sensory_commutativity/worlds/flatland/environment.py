@@ -51,7 +51,8 @@ class FlatlandEnv(gym.Env):
 
     Observation Space
     -----------------
-    ``Box(0, 255, (64, 3), uint8)``: RGB pixels over 90 degrees, from right to left.
+    ``Box(0, 255, (64, 3), uint8)``: RGB pixels over 90 degrees, from right to left. Chipmunk moves bodies with the velocity of the sub-step before,
+    so the last quarter of a motion of base or arms is seen one step later.
 
     Rewards
     -------

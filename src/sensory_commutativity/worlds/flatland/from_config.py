@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from ...config import FlatlandConfig, joint_range
+from ...config import Config, FlatlandConfig, joint_range
+from ...errors import ConfigError
+from ...seeding import generator
 from .agent import Polyphemus
-from .room import Room
+from .room import PlacementError, Room, draw_situation
 from .world import FlatlandWorld
 
 
@@ -35,3 +37,18 @@ def flatland_room(config: FlatlandConfig, world: str) -> Room:
 def flatland_world(config: FlatlandConfig, world: str, agent: str) -> FlatlandWorld:
     """The agent in the room, both by name."""
     return FlatlandWorld(flatland_room(config, world), flatland_agent(config, agent))
+
+
+TRIED = 10
+
+
+def check_rooms(config: Config) -> None:
+    """Raise ConfigError when an agent or its room's things do not fit into the room, by drawing a few situations of every agent and world in use."""
+    flatland = config.flatland
+    used = {(run.world, run.agent) for run in flatland.runs()} | {(world, flatland.reference.agent) for world in flatland.commutation_worlds()}
+    for world, agent in sorted(used):
+        try:
+            for i in range(TRIED):
+                draw_situation(flatland_room(flatland, world), flatland_agent(flatland, agent), generator(config.seed, "check", world, agent, i))
+        except PlacementError as error:
+            raise ConfigError(f"config: flatland.worlds.{world} with flatland.agents.{agent}: {error}") from None

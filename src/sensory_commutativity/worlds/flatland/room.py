@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...compiled import njit
+from ...errors import UserError
 from .agent import Polyphemus
 
 FIXED, MOVABLE, MOVING = 0, 1, 2
@@ -27,7 +28,7 @@ MAX_ATTEMPTS = 10_000
 WALL_COLOURS = np.array([(128, 128, 128), (160, 112, 96), (96, 144, 112), (96, 112, 160)], np.uint8)  # chosen: muted, things are vivid
 
 
-class PlacementError(RuntimeError):
+class PlacementError(UserError):
     """No free place was found: the room is too full for what should stand in it."""
 
 
@@ -39,7 +40,8 @@ class Room:
     height: float = 800.0  # authors
     walls: bool = True  # False: unbounded space
     things: int = 10  # chosen, between the paper's 0 and 12
-    wall_thickness: float = 10.0  # chosen: more than the agent moves in a sub-step
+    wall_thickness: float = 10.0  # chosen; half of it lies inside the room
+    wall_backing: float = 100.0  # chosen: how far a wall goes on outwards, more than a hand can sweep in a sub-step
     thing_radius: tuple[float, float] = (15.0, 30.0)  # chosen: about the size of the agent's base
     thing_mass: float = 10.0  # authors
     path_radius: tuple[float, float] = (20.0, 45.0)  # chosen: a moving thing stays in its own corner of the room

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -75,8 +76,8 @@ class FlatlandVectorEnv(VectorEnv):
 
     def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         """Reset all rooms. With an integer seed, room i gets seed + i; without a seed the rooms' generators go on."""
-        if isinstance(seed, int):
-            seed = [seed + i for i in range(self.num_envs)]
+        if isinstance(seed, Integral):
+            seed = [int(seed) + i for i in range(self.num_envs)]
         if seed is not None or not self._rngs:
             old = self._rngs
             given = seed if seed is not None else [None] * self.num_envs
@@ -95,6 +96,8 @@ class FlatlandVectorEnv(VectorEnv):
         actions = np.asarray(actions, np.float64)
         if actions.shape != self.action_space.shape:
             raise ValueError(f"actions must have the shape {self.action_space.shape}, got {actions.shape}")
+        if not np.isfinite(actions).all():
+            raise ValueError("an action holds a value that is not finite; actions lie in [-1, 1]")
         resetting = self._ended.copy()
         for r in np.flatnonzero(resetting):
             self._reset_room(r)

@@ -149,7 +149,11 @@ class FlatlandWorld:
         return self._bodies()[:, :3]
 
     def parts(self) -> Parts:
-        """What the compiled loop works on, for loops over many worlds (:mod:`.vector`). Not copies: valid until the next reset or restore."""
+        """What the compiled loop works on, for loops over many worlds (:mod:`.vector`).
+
+        Not copies, but addresses and arrays of this world: valid until its next reset or restore, and only while it lives.
+        """
+        self._fresh = False  # whoever has the parts may move them
         return Parts(self._wiring, self._body, self._paths, self._scene, self._inner, self._pose)
 
     # ---- building --------------------------------------------------------------------------------------------------------
@@ -159,6 +163,8 @@ class FlatlandWorld:
             raise RuntimeError("the world has no situation yet: call reset(rng) first")
         if actions.ndim != 2 or actions.shape[1] != len(self.dofs):
             raise ValueError(f"an action has {len(self.dofs)} elements, one per degree of freedom; got an array of shape {actions.shape[1:]}")
+        if not np.isfinite(actions).all():
+            raise ValueError("an action holds a value that is not finite; actions lie in [-1, 1]")
         self._fresh = self._fresh and len(actions) == 0
         advance(
             chipmunk.STEP, chipmunk.READ_BODY, chipmunk.WRITE_BODY, self._wiring, self._body, self._paths, self._scene,
@@ -227,9 +233,15 @@ class FlatlandWorld:
         return things
 
     def _add_walls(self, space: pymunk.Space) -> None:
-        for x1, y1, x2, y2 in _walls(self.room):
-            wall = pymunk.Segment(space.static_body, (x1, y1), (x2, y2), self.room.wall_thickness / 2)
-            wall.friction, wall.elasticity = self.room.friction, self.room.elasticity
+        room = self.room
+        inside, outside = room.wall_thickness / 2, room.wall_backing
+        for x1, y1, x2, y2 in _walls(room):
+            along = np.array([x2 - x1, y2 - y1]) / math.hypot(x2 - x1, y2 - y1)
+            outwards = np.array([-along[1], along[0]])
+            first, second = np.array([x1, y1]) - outside * along, np.array([x2, y2]) + outside * along
+            corners = [first - inside * outwards, second - inside * outwards, second + outside * outwards, first + outside * outwards]
+            wall = pymunk.Poly(space.static_body, [tuple(corner) for corner in corners])
+            wall.friction, wall.elasticity = room.friction, room.elasticity
             space.add(wall)
 
 
