@@ -336,6 +336,18 @@ def test_a_sequence_of_the_wrong_shape_is_refused(shape):
             method(np.zeros(shape))
 
 
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("method", ["step", "play", "watch"])
+def test_an_action_that_is_no_number_is_refused(method, value):
+    """It would stay in the world's state for ever."""
+    world = started(FlatlandWorld())
+    here, actions = state(world), np.zeros((3, 8))
+    actions[1, 2] = value
+    with pytest.raises(ValueError, match="not finite"):
+        getattr(world, method)(actions[1] if method == "step" else actions)
+    assert same(here, state(world))
+
+
 @pytest.mark.parametrize("use", ["step", "play", "watch", "observe", "snapshot"])
 def test_a_world_without_a_situation_says_what_to_do(use):
     world = FlatlandWorld()
@@ -581,7 +593,37 @@ def test_the_base_does_not_enter_a_wall(value):
             world.step(action)
             x, y = world.poses()[0, :2]
             deepest = max(deepest, 30 - x, x - 570, 30 - y, y - 770)  # base radius 25, walls 5 thick on the inner side
-    assert -1.0 < deepest < 3.0  # it reached a wall, and Chipmunk lets bodies overlap a little while they are pressed on
+    assert -1.0 < deepest < 4.0  # it reached a wall, and Chipmunk lets bodies overlap a little while they are pressed on
+
+
+def depth_in_walls(world: FlatlandWorld) -> float:
+    """How far the base or an end of an arm's segment is inside a wall; negative where nothing is."""
+    poses, half = world.poses(), world.agent.arm_length / 2
+    along = half * np.stack([np.cos(poses[1:5, 2]), np.sin(poses[1:5, 2])], 1)
+    points = np.concatenate([poses[:1, :2], poses[1:5, :2] + along, poses[1:5, :2] - along])
+    reach = world.room.wall_thickness / 2 + np.array([world.agent.base_radius] + [0.0] * 8)[:, None]
+    return float(max((reach - points).max(), (points + reach - [world.room.width, world.room.height]).max()))
+
+
+@every_walled_pair
+def test_no_wall_is_passed(pair):
+    """All degrees of freedom at full speed for long; then at rest, when the walls have had time to push everything out."""
+    world, pressed = flatland(pair), -math.inf
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        world.reset(rng)
+        for _ in range(15):
+            actions = full_speed(rng, 10, 8)
+            actions[:, 0] = 1.0  # into whatever is ahead
+            for action in actions:
+                world.step(action)
+                pressed = max(pressed, depth_in_walls(world))
+        world.play(no_op(60, 8))
+        assert depth_in_walls(world) < 0.5
+        poses = world.poses()
+        joints = np.diff(poses[[0, 1, 2, 0, 3, 4], 2])[[0, 1, 3, 4]]
+        assert np.abs(poses[:5, :2] - linkage(world.agent, *poses[0], joints)[:, :2]).max() < 1.0  # the arms are still in their joints
+    assert 0 < pressed < 50  # walls were run into, and are thicker than that
 
 
 @every_walled_pair

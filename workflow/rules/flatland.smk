@@ -151,6 +151,7 @@ rule flatland_commutation_part:
     params:
         settings=lambda w: reference(
             FLATLAND.worlds[w.world],
+            FLATLAND.rest_steps,
             FLATLAND.commutation,
             FLATLAND.experiments_per_job,
         ),
