@@ -6,7 +6,6 @@ One typed model per stage; unknown keys are refused; what depends on several key
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import json
 import math
@@ -17,6 +16,7 @@ from typing import Annotated, Any, NamedTuple
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError, model_validator
 
+from .config_errors import explain, refuse_what_json_has_not
 from .errors import ConfigError
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$", max_length=40)]
@@ -239,62 +239,11 @@ def validate(settings: Any) -> Config:
     """Check settings (what a YAML file holds) and return them typed. Raises ConfigError with one line that names the key and the remedy."""
     if not isinstance(settings, dict):
         raise ConfigError(f"config: expected a mapping of keys to values, got {type(settings).__name__}; see config/README.md")
-    _refuse_what_json_has_not(settings, "config")
+    refuse_what_json_has_not(settings, "config")
     try:
         return Config.model_validate_json(json.dumps(settings))
     except ValidationError as error:
-        raise ConfigError(_explain(error)) from None
-
-
-def _refuse_what_json_has_not(value: Any, key: str) -> None:
-    """YAML knows dates, infinities and keys that are no text; a configuration may not hold them."""
-    if isinstance(value, dict):
-        for name, inner in value.items():
-            if not isinstance(name, str):
-                raise ConfigError(f"{key}: the key {name!r} is no text; put it in quotes or remove it")
-            _refuse_what_json_has_not(inner, f"{key}.{name}")
-    elif isinstance(value, list):
-        for i, inner in enumerate(value):
-            _refuse_what_json_has_not(inner, f"{key}.{i}")
-    elif not (value is None or isinstance(value, str | bool | int | float)):
-        raise ConfigError(f"{key}: {value!r} is a {type(value).__name__}; put it in quotes if it is meant as text")
-    elif isinstance(value, float) and not math.isfinite(value):
-        raise ConfigError(f"{key}: {value!r} is not a finite number; set a finite one, or null where the key allows it")
-
-
-def _explain(error: ValidationError) -> str:
-    problems = error.errors(include_url=False)
-    first = problems[0]
-    key = ".".join(str(part) for part in first["loc"] if part != "[key]") or "config"
-    if first["type"] == "extra_forbidden":
-        message = f"unknown key; {_suggest(first['loc'])}"
-    elif first["type"] == "missing":
-        message = "this key is missing; add it (see config/README.md)"
-    elif first["type"] == "value_error":
-        message = str(first["ctx"]["error"])
-    else:
-        remedy = "write numbers without quotes and as 0.001 or 1.0e-3" if isinstance(first["input"], str) else "set such a value"
-        message = f"{first['msg'][0].lower()}{first['msg'][1:]}, got {_short(first['input'])}; {remedy} (see config/README.md)"
-    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    return f"config: {key}: {message}{more}"
-
-
-def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-def _suggest(location: tuple[str | int, ...]) -> str:
-    """What the unknown key at `location` may have been meant to be."""
-    model: Any = Config
-    for part in location[:-1]:
-        if isinstance(model, type) and issubclass(model, BaseModel):
-            model = model.model_fields[str(part)].annotation
-        elif getattr(model, "__args__", None):
-            model = model.__args__[-1]
-    known = list(model.model_fields) if isinstance(model, type) and issubclass(model, BaseModel) else []
-    close = difflib.get_close_matches(str(location[-1]), known, 1)
-    return f"did you mean {close[0]!r}?" if close else f"known here are {', '.join(known)}"
+        raise ConfigError(explain(error, Config)) from None
 
 
 def merge(base: dict[str, Any], overlay: dict[str, Any]) -> dict[str, Any]:

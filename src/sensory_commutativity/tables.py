@@ -175,11 +175,14 @@ def read_table(name: str, path: str | Path) -> pd.DataFrame:
     """Read the table `name`. Raises TableError when the file is missing, damaged or another table."""
     try:
         table = pq.read_table(path)
+        names = table.schema.names  # decoded only now
     except FileNotFoundError:
         raise TableError(f"{path}: there is no such table; run the workflow, or give the path of a {name} table") from None
     except (pa.ArrowException, OSError) as error:
         raise TableError(f"{path}: not a readable Parquet file ({str(error).splitlines()[0]}); delete it and run again") from None
+    except UnicodeDecodeError:
+        raise TableError(f"{path}: not a readable Parquet file (damaged text); delete it and run again") from None
     expected = schema(name)
-    if table.schema.names != expected.names or table.schema.types != expected.types:
-        raise TableError(f"{path}: not a {name} table, its columns are {', '.join(table.schema.names)}; delete it and run again")
+    if names != expected.names or table.schema.types != expected.types:
+        raise TableError(f"{path}: not a {name} table, its columns are {', '.join(names)}; delete it and run again")
     return table.to_pandas()

@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
 
-from conftest import ENVIRONMENT, command, copy_workflow, hashes, snakemake
 from sensory_commutativity.config import load
 from sensory_commutativity.figures.catalogue import FIGURES
 from sensory_commutativity.tables import TABLES, read_table
 
+from .running import ENVIRONMENT, command, copy_workflow, hashes, snakemake
+
 WRITTEN = set(TABLES) - {"flatland_commutation_experiments"}  # that one stays among the raw data
+
+
+def test_no_room_for_the_things_is_said_before_any_job(tmp_path: Path) -> None:
+    folder = copy_workflow(tmp_path / "crowded")
+    overlay = folder / "overlay.yaml"
+    overlay.write_text("flatland: {worlds: {furnished: {things: 24, width: 200.0, height: 200.0, start_margin: 90.0}}}")
+    run = subprocess.run(
+        [*command("--cores", "1")[:3], str(overlay), "--cores", "1"], cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=120
+    )
+    assert run.returncode == 2, run.stderr
+    assert "flatland.worlds.furnished" in run.stderr and not (folder / "results").exists()
 
 
 def test_it_makes_every_table_and_figure_and_nothing_half_done(finished: Path) -> None:
@@ -24,7 +38,7 @@ def test_it_makes_every_table_and_figure_and_nothing_half_done(finished: Path) -
     assert {p.stem for p in (results / "tables").iterdir()} == WRITTEN
     expected = {f"{name}.{kind}" for name in FIGURES for kind in ("png", "pdf")} | {"flatland_experiment.gif"}
     assert {p.name for p in (results / "figures").iterdir()} == expected
-    assert not [p for p in results.rglob(".*")], "temporary files or batches were left behind"
+    assert not list(results.rglob(".*")), "temporary files or batches were left behind"
 
 
 def test_tables_have_the_promised_rows(finished: Path) -> None:
@@ -57,16 +71,29 @@ def test_a_second_run_does_nothing(finished: Path) -> None:
     assert {p: p.stat().st_mtime_ns for p in (finished / "results").rglob("*") if p.is_file()} == before
 
 
-def test_a_changed_setting_runs_only_what_depends_on_it(finished: Path) -> None:
-    run = snakemake(finished, "--cores", "1", "--dry-run", "--config", "flatland={commutation: {experiments: 11}}")
-    assert run.returncode == 0, run.stderr
-    planned = subprocess.run(
-        [*[a for a in command("--cores", "1", "--dry-run") if a not in ("--quiet", "all")], "--config", "flatland={commutation: {experiments: 11}}"],
+@pytest.mark.parametrize(
+    ("overlay", "again", "kept"),
+    [
+        ("seed: 7", {"flatland_experiments_part", "flatland_commutation_part", "flatland_baselines_part", "animation"}, set()),
+        ("flatland: {commutation: {experiments: 5}}", {"flatland_commutation_part"}, {"flatland_experiments_part", "flatland_baselines_part"}),
+        ("flatland: {rest_steps: 4}", {"flatland_experiments_part", "flatland_commutation_part"}, {"flatland_baselines_part"}),
+        ("flatland: {thresholds: [0.0, 5.0]}", {"flatland_scp", "flatland_sensitivity"}, {"flatland_experiments_part", "flatland_commutation"}),
+        ("flatland: {baselines: {epochs: 3}}", {"flatland_baselines_part"}, {"flatland_experiments_part", "flatland_scp"}),
+    ],
+)
+def test_a_changed_setting_runs_what_depends_on_it_at_once_and_nothing_else(
+    finished: Path, tmp_path: Path, overlay: str, again: set[str], kept: set[str]
+) -> None:
+    file = tmp_path / "overlay.yaml"
+    file.write_text(overlay)
+    run = subprocess.run(
+        [str(Path(sys.executable).parent / "snakemake"), "--configfile", "config/test.yaml", str(file), "--cores", "1", "--dry-run"],
         cwd=finished, env=ENVIRONMENT, capture_output=True, text=True, timeout=300,
-    ).stdout  # fmt: skip
-    assert "flatland_commutation_part" in planned
-    assert "flatland_experiments_part" not in planned
-    assert "flatland_baselines_part" not in planned
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    planned = set(re.findall(r"^rule (\w+):", run.stdout, re.MULTILINE)) | set(re.findall(r"^(\w+) +\d+$", run.stdout, re.MULTILINE))
+    assert again <= planned
+    assert not kept & planned
 
 
 def test_the_report_can_be_made(finished: Path) -> None:
@@ -107,6 +134,7 @@ def test_killed_half_way_and_resumed_on_one_core_gives_the_same_tables(finished:
         ("flatland={reference: {agent: nobody}}", "nobody"),
         ("results=/proc/nowhere", "/proc"),
         ("results=Snakefile/results", "Snakefile"),
+        ("flatland={worlds: {furnished: {thing: 3}}, agents: {}}", "flatland"),
     ],
 )
 def test_bad_settings_stop_before_any_job(tmp_path: Path, setting: str, key: str) -> None:

@@ -27,11 +27,13 @@ def find_trends(scp: pd.DataFrame, config: Config) -> pd.DataFrame:
     flatland = config.flatland
     worlds, agents = flatland.combinations.worlds, flatland.combinations.agents
     counts = scp[(scp["threshold"] == 0) & scp["world"].isin(worlds) & scp["agent"].isin(agents)].set_index(["agent", "dof", "world"])
+    dofs = list(dict.fromkeys(counts.index.get_level_values("dof")))
+    counts = counts.sort_index()
     objects = np.array([flatland.worlds[world].things for world in worlds])
     shortest = min(agents, key=lambda agent: flatland.agents[agent].arm_length)
     longest = max(agents, key=lambda agent: flatland.agents[agent].arm_length)
     rows = []
-    for dof in counts.index.get_level_values("dof").unique():
+    for dof in dofs:
         group = {agent: counts.loc[(agent, dof)].loc[worlds] for agent in agents}
         for agent in agents:
             test = cochran_armitage(group[agent]["commuted"], group[agent]["n"], objects)

@@ -51,6 +51,8 @@ class Corridor:
         self._place = snapshot
 
     def step(self, action: np.ndarray) -> None:
+        if np.shape(action) != (len(self.dofs),):
+            raise ValueError(f"an action has {len(self.dofs)} elements, one per degree of freedom; got an array of shape {np.shape(action)}")
         agent, box, eyelid = self._place
         to = agent + int(np.sign(action[0]))
         if to == box != -1 and to > agent:  # a box in front is pushed ahead, unless it stands against the wall

@@ -89,6 +89,7 @@ class FlatlandWorld:
         Chipmunk remembers contacts in ways that cannot be read, so a world that has moved is rebuilt from its own snapshot.
         """
         if not self._fresh:
+            self._need_situation()
             self.restore(FlatlandSnapshot(self._situation, self._bodies(), self._inner.copy()))
         return self._start
 
@@ -159,8 +160,7 @@ class FlatlandWorld:
     # ---- building --------------------------------------------------------------------------------------------------------
 
     def _advance(self, actions: np.ndarray, every_step: bool, seen: np.ndarray) -> None:
-        if self._space is None:
-            raise RuntimeError("the world has no situation yet: call reset(rng) first")
+        self._need_situation()
         if actions.ndim != 2 or actions.shape[1] != len(self.dofs):
             raise ValueError(f"an action has {len(self.dofs)} elements, one per degree of freedom; got an array of shape {actions.shape[1:]}")
         if not np.isfinite(actions).all():
@@ -170,6 +170,10 @@ class FlatlandWorld:
             chipmunk.STEP, chipmunk.READ_BODY, chipmunk.WRITE_BODY, self._wiring, self._body, self._paths, self._scene,
             self._inner, self._pose, np.ascontiguousarray(actions), every_step, seen,
         )  # fmt: skip
+
+    def _need_situation(self) -> None:
+        if self._space is None:
+            raise RuntimeError("the world has no situation yet: call reset(rng) first")
 
     def _bodies(self) -> np.ndarray:
         state = [(*b.position, b.angle, *b.velocity, b.angular_velocity) for b in self._all_bodies]

@@ -1,0 +1,35 @@
+"""Running the workflow in a folder of its own, as a user would."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+ENVIRONMENT = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+
+
+def copy_workflow(folder: Path) -> Path:
+    """A copy of what the workflow needs, without results."""
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copy(ROOT / "Snakefile", folder)
+    for name in ("workflow", "config"):
+        shutil.copytree(ROOT / name, folder / name)
+    return folder
+
+
+def command(*arguments: str, profile: str = "config/test.yaml") -> list[str]:
+    """Snakemake on a profile."""
+    return [str(Path(sys.executable).parent / "snakemake"), "--configfile", profile, "--quiet", "all", *arguments]
+
+
+def snakemake(folder: Path, *arguments: str, profile: str = "config/test.yaml") -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command(*arguments, profile=profile), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=900)
+
+
+def hashes(tables: Path) -> dict[str, str]:
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(tables.glob("*.parquet"))}
