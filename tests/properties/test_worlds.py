@@ -527,6 +527,21 @@ def test_head_and_eyelid_commute_in_every_room(pair, dof):
         assert mean_squared_error(*sc_experiment(world, world.snapshot(), sample_sequence(rng, 50, k, 8), rng)) == 0
 
 
+@pytest.mark.parametrize(("dof", "place"), [("head", HEAD), ("eyelid", EYELID)])
+def test_head_and_eyelid_end_in_the_very_same_place(dof, place):
+    """To the last bit, not only to the pixel: sums of commands do not depend on their order."""
+    world, k = started(FlatlandWorld()), DOFS.index(dof)
+    start = world.snapshot()
+    for seed in range(25):
+        rng = np.random.default_rng(seed)
+        sequence, ends = sample_sequence(rng, 50, k, 8), set()
+        for order in (sequence, permute(rng, sequence), sequence[::-1]):
+            world.restore(start)
+            world.play(order)
+            ends.add(world.inner[place])
+        assert len(ends) == 1
+
+
 def test_a_furnished_room_does_not_always_commute():
     world, distances = flatland(("furnished", "polyphemus")), []
     for seed in range(25):
@@ -554,20 +569,28 @@ def test_what_displaces_nothing_commutes_with_everything(still, dof):
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0], ids=["forwards", "backwards"])
-def test_blocked_motion_is_lost(sign):
+@pytest.mark.parametrize(
+    ("x", "y", "towards"),
+    [(300, 212, -math.pi / 2), (300, 588, math.pi / 2), (212, 400, math.pi), (388, 400, 0.0)],
+    ids=["bottom", "top", "left", "right"],
+)
+def test_blocked_motion_is_lost(x, y, towards, sign):
     """30 steps of 8 units towards a wall 182 away and back are not the same as back and there: nothing is caught up."""
     there, back = drive("base-longitudinal", sign, 30), drive("base-longitudinal", -sign, 30)
-    heading = -math.pi / 2 if sign > 0 else math.pi / 2
-    world = enter(EMPTY, 300, 212, heading)
-    start = world.snapshot()
-    world.play(compose(back, there, no_op(REST_STEPS, 8)))
-    assert world.poses()[0] == pytest.approx([300, 212, heading], abs=1e-3)  # nothing was in the way
+    world = enter(EMPTY, x, y, towards if sign > 0 else towards + math.pi)
+    start, place = world.snapshot(), world.poses()[0]
+
+    def gone() -> float:
+        """How far from the start, towards the wall."""
+        return float((world.poses()[0, :2] - place[:2]) @ (math.cos(towards), math.sin(towards)))
+
+    world.play(compose(back[:22], there[:22], no_op(REST_STEPS, 8)))
+    assert world.poses()[0] == pytest.approx(place, abs=1e-3)  # nothing was in the way
     world.restore(start)
     world.play(there)
-    assert world.poses()[0, 1] == pytest.approx(30, abs=4)
-    world.play(compose(back, no_op(REST_STEPS, 8)))
-    # 30 x 8 units from the wall; had the 58 units that the wall swallowed been caught up, it would stand at 212
-    assert world.poses()[0, 1] == pytest.approx(30 + 240, abs=5)
+    assert gone() == pytest.approx(182, abs=4)
+    world.play(compose(back[:22], no_op(REST_STEPS, 8)))
+    assert gone() == pytest.approx(182 - 22 * 8, abs=5)  # from the wall; had the 58 units that it swallowed been caught up, 240 - 176
 
 
 @pytest.mark.parametrize(("joint", "link", "x", "aside", "radius"), [("shoulder", 1, 265, 85, 25), ("elbow", 2, 307, 98, 15)])

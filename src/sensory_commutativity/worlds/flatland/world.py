@@ -237,15 +237,9 @@ class FlatlandWorld:
         return things
 
     def _add_walls(self, space: pymunk.Space) -> None:
-        room = self.room
-        inside, outside = room.wall_thickness / 2, room.wall_backing
-        for x1, y1, x2, y2 in _walls(room):
-            along = np.array([x2 - x1, y2 - y1]) / math.hypot(x2 - x1, y2 - y1)
-            outwards = np.array([-along[1], along[0]])
-            first, second = np.array([x1, y1]) - outside * along, np.array([x2, y2]) + outside * along
-            corners = [first - inside * outwards, second - inside * outwards, second + outside * outwards, first + outside * outwards]
-            wall = pymunk.Poly(space.static_body, [tuple(corner) for corner in corners])
-            wall.friction, wall.elasticity = room.friction, room.elasticity
+        for corners in _wall_blocks(self.room):
+            wall = pymunk.Poly(space.static_body, corners)
+            wall.friction, wall.elasticity = self.room.friction, self.room.elasticity
             space.add(wall)
 
 
@@ -289,6 +283,20 @@ def _walls(room: Room) -> np.ndarray:
     """End points of the four walls' middle lines, float64 (4, 4), or (0, 4) in unbounded space."""
     w, h = room.width, room.height
     return np.array([(w, 0, 0, 0), (w, h, w, 0), (0, h, w, h), (0, 0, 0, h)] if room.walls else np.zeros((0, 4)), np.float64)
+
+
+@lru_cache
+def _wall_blocks(room: Room) -> tuple[list[tuple[float, float]], ...]:
+    """Corners of each wall as a block that goes on outwards, so that nothing can jump over it in one sub-step."""
+    inside, outside = room.wall_thickness / 2, room.wall_backing
+    blocks = []
+    for x1, y1, x2, y2 in _walls(room):
+        along = np.array([x2 - x1, y2 - y1]) / math.hypot(x2 - x1, y2 - y1)
+        outwards = np.array([-along[1], along[0]])
+        first, second = np.array([x1, y1]) - outside * along, np.array([x2, y2]) + outside * along
+        corners = (first - inside * outwards, second - inside * outwards, second + outside * outwards, first + outside * outwards)
+        blocks.append([(float(x), float(y)) for x, y in corners])
+    return tuple(blocks)
 
 
 @lru_cache
