@@ -42,7 +42,7 @@ class WorldConfig(_Section):
     """A kind of room. Start situations are drawn anew for every experiment."""
 
     things: int = Field(10, ge=0, le=24, description="How many things stand in the room; in every four one is fixed, two movable, one moving.")
-    walls: bool = Field(True, description="False: unbounded space.")
+    walls: bool = Field(True, description="False: unbounded space; the walls are then seen but not solid.")
     width: float = Field(600.0, ge=200, le=5000, description="Units (authors: 600).")
     height: float = Field(800.0, ge=200, le=5000, description="Units (authors: 800).")
     start_margin: float = Field(150.0, ge=40, le=1000, description="Least distance of the agent's middle from every wall at the start, units.")
@@ -50,7 +50,7 @@ class WorldConfig(_Section):
 
     @model_validator(mode="after")
     def _start_fits(self) -> WorldConfig:
-        if self.walls and 2 * self.start_margin >= min(self.width, self.height):
+        if 2 * self.start_margin >= min(self.width, self.height):
             raise ValueError(
                 f"start_margin {self.start_margin:g} leaves no place to start in a room of {self.width:g} x {self.height:g}; "
                 f"set it below {min(self.width, self.height) / 2:g}"

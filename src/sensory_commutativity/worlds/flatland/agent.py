@@ -35,7 +35,7 @@ class Polyphemus:
     arm_length: float = 50.0  # authors; length of each of an arm's two segments
     arm_width: float = 5.0  # authors
     arm_mass: float = 1.0  # authors; of each segment
-    shoulder_rest: float = math.radians(60)  # chosen: arms open to the front, where the eye sees what they do
+    shoulder_rest: float = math.radians(60)  # chosen: arms open to the front, at rest just outside the field of view
     elbow_rest: float = math.radians(-30)  # chosen: slightly bent inwards
     joint_range: float = math.inf  # chosen: either way from rest; a stop does not commute, and the authors' pi/3 is hit in most sequences
     longitudinal_speed: float = 8.0  # chosen: the authors' base is pushed to about 4 and coasts; this one stops at once

@@ -21,23 +21,20 @@ _THING_EDGES = {FIXED: dict(linewidth=2.4, linestyle="-"), MOVABLE: dict(linewid
 def draw_room(axes: Axes, world: FlatlandWorld, sight: bool = True) -> None:
     """Draw the room from above as it is now: walls, things, the agent and, if asked, its field of view.
 
-    Fixed things have a thick outline, movable ones a thin one, moving ones a dotted one and the path they follow.
+    Fixed things have a thick outline, movable ones a thin one, moving ones a dotted one and the path they follow; walls that are not solid
+    are dashed.
     """
     poses, situation, room = world.poses(), world.situation, world.room
     axes.set_aspect("equal")
     axes.set_axis_off()
-    if room.walls:
-        corners = [(0, 0), (room.width, 0), (room.width, room.height), (0, room.height)]
-        axes.add_patch(Polygon(corners, facecolor=FLOOR, edgecolor="none", zorder=0))
-        for k in range(4):
-            (x1, y1), (x2, y2) = corners[k], corners[(k + 1) % 4]
-            axes.plot([x1, x2], [y1, y2], color=WALL_COLOURS[k] / 255, linewidth=4, solid_capstyle="round", zorder=1)
-        axes.set_xlim(-12, room.width + 12)
-        axes.set_ylim(-12, room.height + 12)
-    else:
-        x, y = poses[0, :2]
-        axes.set_xlim(x - 250, x + 250)
-        axes.set_ylim(y - 250, y + 250)
+    corners = [(0, 0), (room.width, 0), (room.width, room.height), (0, room.height)]
+    axes.add_patch(Polygon(corners, facecolor=FLOOR, edgecolor="none", zorder=0))
+    for k in range(4):
+        (x1, y1), (x2, y2) = corners[k], corners[(k + 1) % 4]
+        solid = dict(linewidth=4, solid_capstyle="round") if room.walls else dict(linewidth=1.5, linestyle="--")
+        axes.plot([x1, x2], [y1, y2], color=WALL_COLOURS[k] / 255, zorder=1, **solid)
+    axes.set_xlim(-12, room.width + 12)
+    axes.set_ylim(-12, room.height + 12)
     if sight:
         _draw_sight(axes, world, poses)
     for i in range(situation.n_things):
@@ -51,9 +48,7 @@ def _draw_sight(axes: Axes, world: FlatlandWorld, poses: np.ndarray) -> None:
     half = math.degrees(agent.field_of_view) / 2
     wedge = Wedge(poses[0, :2], agent.view_range, middle - half, middle + half, facecolor="#ffd94d", alpha=0.22, edgecolor="none", zorder=0.5)
     axes.add_patch(wedge)
-    if room.walls:
-        inside = Polygon([(0, 0), (room.width, 0), (room.width, room.height), (0, room.height)], transform=axes.transData)
-        wedge.set_clip_path(inside)
+    wedge.set_clip_path(Polygon([(0, 0), (room.width, 0), (room.width, room.height), (0, room.height)], transform=axes.transData))
 
 
 def _draw_thing(axes: Axes, world: FlatlandWorld, i: int, pose: np.ndarray) -> None:

@@ -38,7 +38,7 @@ class Room:
 
     width: float = 600.0  # authors
     height: float = 800.0  # authors
-    walls: bool = True  # False: unbounded space
+    walls: bool = True  # False: the walls are seen but not solid, space is unbounded
     things: int = 10  # chosen, between the paper's 0 and 12
     wall_thickness: float = 10.0  # chosen; half of it lies inside the room
     wall_backing: float = 100.0  # chosen: how far a wall goes on outwards, more than a hand can sweep in a sub-step
@@ -134,7 +134,7 @@ def _draw_agent(room: Room, agent: Polyphemus, rng: np.random.Generator) -> tupl
     """
     margin = (room.wall_thickness / 2 + room.clearance) if room.walls else -math.inf
     limit = np.array([room.width, room.height])
-    inset = room.start_margin if room.walls else 0.0
+    inset = room.start_margin
     for _ in range(MAX_ATTEMPTS):
         x, y = rng.uniform(inset, room.width - inset), rng.uniform(inset, room.height - inset)
         heading = rng.uniform(-math.pi, math.pi)

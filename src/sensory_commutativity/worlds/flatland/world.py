@@ -280,16 +280,18 @@ def _masses(agent: Polyphemus) -> tuple[list[float], list[float]]:
 
 @lru_cache
 def _walls(room: Room) -> np.ndarray:
-    """End points of the four walls' middle lines, float64 (4, 4), or (0, 4) in unbounded space."""
+    """End points of the four walls' middle lines, float64 (4, 4). They are seen even where they are not solid."""
     w, h = room.width, room.height
-    return np.array([(w, 0, 0, 0), (w, h, w, 0), (0, h, w, h), (0, 0, 0, h)] if room.walls else np.zeros((0, 4)), np.float64)
+    return np.array([(w, 0, 0, 0), (w, h, w, 0), (0, h, w, h), (0, 0, 0, h)], np.float64)
 
 
 @lru_cache
 def _wall_blocks(room: Room) -> tuple[list[tuple[float, float]], ...]:
     """Corners of each wall as a block that goes on outwards, so that nothing can jump over it in one sub-step."""
     inside, outside = room.wall_thickness / 2, room.wall_backing
-    blocks = []
+    blocks: list[list[tuple[float, float]]] = []
+    if not room.walls:
+        return ()
     for x1, y1, x2, y2 in _walls(room):
         along = np.array([x2 - x1, y2 - y1]) / math.hypot(x2 - x1, y2 - y1)
         outwards = np.array([-along[1], along[0]])
@@ -315,12 +317,11 @@ def _scene(agent: Polyphemus, room: Room, situation: Situation, outlines: np.nda
     arms = np.zeros((4, MAX_VERTICES, 2))
     arms[:, :4] = _arm_corners(agent)
     reach = math.hypot(agent.arm_length, agent.arm_width) / 2
-    walls = _walls(room)
     return Scene(
         _rays(agent), agent.field_of_view, agent.view_range,
         np.concatenate([arms, outlines]), np.concatenate([[4] * 4, situation.vertices]),
         np.concatenate([[reach] * 4, situation.radius]), np.concatenate([ARM_COLOURS, situation.colour]),
-        walls, WALL_COLOURS[: len(walls)],
+        _walls(room), WALL_COLOURS,
     )  # fmt: skip
 
 
