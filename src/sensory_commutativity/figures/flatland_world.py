@@ -28,7 +28,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     room.set_title(f"Polyphemus in a room of {world.room.width:g} × {world.room.height:g} units")
     draw_view(view, world.observe())
     degrees = math.degrees(world.agent.field_of_view)
-    view.set_title(f"what its eye sees: {world.agent.pixels} RGB pixels over {degrees:g}°, its own arms among them", fontsize=9)
+    view.set_title(f"what its eye sees: {world.agent.pixels} RGB pixels over {degrees:g}°; its own arms, too, when they are in sight", fontsize=9)
 
     notes.set_axis_off()
     lines = ["eight degrees of freedom;", "an action of 1 moves, per step:", ""]
