@@ -8,7 +8,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet host reason --rerun-incomplete
 # A Snakemake that was killed leaves its lock behind; it is taken away when none is running.
-UNLOCK := pgrep -f bin/snakemake > /dev/null || $(BIN)/snakemake --unlock --quiet all
+UNLOCK := pgrep -f '[b]in/snakemake' > /dev/null || $(BIN)/python -m snakemake --unlock --quiet all  # the pattern must not match this line itself
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 .PHONY: all default paper bench test lint format lock schema clean help
