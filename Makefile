@@ -48,7 +48,7 @@ format: $(READY)  ## rewrite code and workflow in that style
 	$(BIN)/ruff format src tests benchmarks
 	$(BIN)/snakefmt Snakefile workflow
 
-schema: $(READY)  ## rewrite config/schema.json after a change to config.py
+schema: $(READY)  ## rewrite config/schema.json after a change to src/sensory_commutativity/config
 	$(BIN)/sensory-commutativity schema --out config/schema.json
 
 lock: $(READY)  ## pin the environment anew (needs uv)

@@ -1,4 +1,4 @@
-"""cli.py: what a person types, and what they are told when it cannot be done."""
+"""cli/: what a person types, and what they are told when it cannot be done."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""config.py: what may be set, and how a wrong setting is refused."""
+"""config/: what may be set, and how a wrong setting is refused."""
 
 from __future__ import annotations
 

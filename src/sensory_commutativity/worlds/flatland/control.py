@@ -103,7 +103,7 @@ def advance(step_space, read_body, write_body, wiring, body, paths, scene, inner
     paths : Paths
     scene : Scene (:mod:`.eye`)
     inner : float64 (INNER,), changed
-    pose : float64 (5 + n, 3), changed: (x, y, angle) of links and things when last looked
+    pose : float64 (5 + n + marks, 3), changed: (x, y, angle) of links and things when last looked; marks stay
     actions : float64 (steps, 8); with no steps the world is only looked at
     every_step : bool
         Look after every action; otherwise once, at the end.

@@ -35,6 +35,8 @@ def draw_room(axes: Axes, world: FlatlandWorld, sight: bool = True) -> None:
         axes.plot([x1, x2], [y1, y2], color=WALL_COLOURS[k] / 255, zorder=1, **solid)
     axes.set_xlim(-12, room.width + 12)
     axes.set_ylim(-12, room.height + 12)
+    for mark in room.marks:
+        axes.add_patch(Circle((mark.x, mark.y), mark.radius, facecolor=np.array(mark.colour) / 255, edgecolor="none", alpha=0.7, zorder=0.7))
     if sight:
         _draw_sight(axes, world, poses)
     for i in range(situation.n_things):

@@ -33,6 +33,16 @@ class PlacementError(UserError):
 
 
 @dataclass(frozen=True)
+class Mark:
+    """A coloured disc that the eye sees and nothing bumps into: a zone of a task. The agent starts outside it."""
+
+    x: float  # units
+    y: float  # units
+    radius: float  # units
+    colour: tuple[int, int, int]  # RGB, each in [0, 255]
+
+
+@dataclass(frozen=True)
 class Room:
     """What kind of room start situations are drawn for. Lengths in Flatland units, speeds per step."""
 
@@ -51,6 +61,7 @@ class Room:
     friction: float = 0.8  # simple-playgrounds, FRICTION_ENTITY
     elasticity: float = 0.5  # authors; simple-playgrounds, ELASTICITY_ENTITY
     damping: float = 0.9  # authors; fraction of a free body's velocity kept per step
+    marks: tuple[Mark, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -143,7 +154,8 @@ def _draw_agent(room: Room, agent: Polyphemus, rng: np.random.Generator) -> tupl
         starts, ends = links[1:, :2] - half, links[1:, :2] + half
         points = np.concatenate([links[:1, :2], starts[[0]], ends[[0, 1]], starts[[2]], ends[[2, 3]]])
         reach = margin + np.array([agent.base_radius] + 6 * [agent.arm_width / 2])[:, None]
-        if (points >= reach).all() and (points <= limit - reach).all():
+        marked = any(math.hypot(x - mark.x, y - mark.y) <= mark.radius + agent.base_radius + room.clearance for mark in room.marks)
+        if not marked and (points >= reach).all() and (points <= limit - reach).all():
             outline = np.zeros((7, 3))
             outline[:, :2], outline[0, 2] = points, heading
             return links, outline

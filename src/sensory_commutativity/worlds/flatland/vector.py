@@ -21,12 +21,12 @@ from .world import FlatlandWorld, Parts
 
 
 @njit()
-def advance_rooms(step_space, read_body, write_body, spaces, wiring, body, paths, scene, inner, pose, actions, skip, seen):
-    """One step of every room; arguments as for :func:`.control.advance` with a first dimension `rooms`, but `body`, which all rooms share.
+def advance_rooms(step_space, read_body, write_body, spaces, wiring, body, paths, scene, inner, pose, actions, rooms, skip, seen):
+    """One step of `rooms`; arguments as for :func:`.control.advance` with a first dimension over all rooms, but `body`, which they share.
 
-    `skip`, bool (rooms,), marks rooms that are only looked at.
+    `skip`, bool (all rooms,), marks rooms that are only looked at.
     """
-    for r in range(len(spaces)):
+    for r in rooms:
         one_wiring = Wiring(
             spaces[r], wiring.links[r], wiring.movers[r], wiring.bodies[r],
             wiring.state_channel, wiring.state, wiring.state_cursor,
@@ -48,19 +48,29 @@ def advance_rooms(step_space, read_body, write_body, spaces, wiring, body, paths
 class FlatlandVectorEnv(VectorEnv):
     """`num_envs` rooms; each gives what a :class:`.environment.FlatlandEnv` seeded with its own seed would give, bit for bit.
 
-    A room whose episode has ended is reset by the next step, whose action for it is ignored (Gymnasium's ``NEXT_STEP``).
-
     Parameters
     ----------
     num_envs : int
     room, agent : Room, Polyphemus
     max_episode_steps : int
         Episodes are truncated after so many steps.
+    autoreset_mode : AutoresetMode
+        ``NEXT_STEP``: a room whose episode has ended is reset by the next step, whose action for it is ignored. ``SAME_STEP``: it is reset at
+        once; the step gives the first observation of the new episode, and the last one of the old in ``infos["final_obs"]``.
     """
 
-    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012  (Gymnasium's own form)
-
-    def __init__(self, num_envs: int = 1, room: Room | None = None, agent: Polyphemus | None = None, max_episode_steps: int = MAX_EPISODE_STEPS):
+    def __init__(
+        self,
+        num_envs: int = 1,
+        room: Room | None = None,
+        agent: Polyphemus | None = None,
+        max_episode_steps: int = MAX_EPISODE_STEPS,
+        autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
+    ):
+        if autoreset_mode not in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
+            raise ValueError(f"autoreset_mode must be NEXT_STEP or SAME_STEP, got {autoreset_mode}")
+        self.metadata = {"render_modes": [], "autoreset_mode": autoreset_mode}
+        self._same_step = autoreset_mode == AutoresetMode.SAME_STEP
         self.num_envs = num_envs
         self.max_episode_steps = max_episode_steps
         self._worlds = [FlatlandWorld(room, agent) for _ in range(num_envs)]
@@ -84,9 +94,7 @@ class FlatlandVectorEnv(VectorEnv):
             if len(given) != self.num_envs:
                 raise ValueError(f"{self.num_envs} rooms need {self.num_envs} seeds, got {len(given)}")
             self._rngs = [old[i] if old and s is None else seeding.np_random(s)[0] for i, s in enumerate(given)]
-        for r in range(self.num_envs):
-            self._reset_room(r)
-        self._advance(np.zeros(self.action_space.shape), np.ones(self.num_envs, bool))
+        self._reset_rooms(np.arange(self.num_envs))
         return self._seen.copy(), {}
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
@@ -98,19 +106,43 @@ class FlatlandVectorEnv(VectorEnv):
             raise ValueError(f"actions must have the shape {self.action_space.shape}, got {actions.shape}")
         if not np.isfinite(actions).all():
             raise ValueError("an action holds a value that is not finite; actions lie in [-1, 1]")
-        resetting = self._ended.copy()
+        resetting = self._ended.copy()  # none with SAME_STEP
         for r in np.flatnonzero(resetting):
             self._reset_room(r)
         self._steps[~resetting] += 1
-        self._advance(actions, resetting)
-        self._ended = self._steps >= self.max_episode_steps
-        return self._seen.copy(), np.zeros(self.num_envs), np.zeros(self.num_envs, bool), self._ended.copy(), {}
+        self._advance(actions, np.arange(self.num_envs), resetting)
+        rewards, terminated = self._judge()
+        terminated &= ~resetting
+        truncated = (self._steps >= self.max_episode_steps) & ~terminated
+        self._ended = terminated | truncated
+        infos: dict[str, Any] = {}
+        if self._same_step and self._ended.any():
+            infos = self._final(self._ended)
+            self._reset_rooms(np.flatnonzero(self._ended))
+        return self._seen.copy(), np.where(resetting, 0.0, rewards), terminated, truncated, infos
 
-    def _advance(self, actions: np.ndarray, skip: np.ndarray) -> None:
+    def _judge(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rewards, float64, and whether the episode ends by itself, bool, of every room as it is now; tasks override this."""
+        return np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
+
+    def _final(self, ended: np.ndarray) -> dict[str, Any]:
+        """What Gymnasium's ``SAME_STEP`` tells of the rooms whose episode has just ended."""
+        last, info = np.full(self.num_envs, None, object), np.full(self.num_envs, None, object)
+        for r in np.flatnonzero(ended):
+            last[r], info[r] = self._seen[r].copy(), {}
+        return {"final_obs": last, "_final_obs": ended.copy(), "final_info": info, "_final_info": ended.copy()}
+
+    def _advance(self, actions: np.ndarray, rooms: np.ndarray, skip: np.ndarray) -> None:
         advance_rooms(
             chipmunk.STEP, chipmunk.READ_BODY, chipmunk.WRITE_BODY, self._spaces, self._wiring, self._body, self._paths, self._scene,
-            self._inner, self._pose, actions, skip, self._seen,
+            self._inner, self._pose, actions, rooms, skip, self._seen,
         )  # fmt: skip
+
+    def _reset_rooms(self, rooms: np.ndarray) -> None:
+        """Draw new situations for `rooms` and look at them."""
+        for r in rooms:
+            self._reset_room(r)
+        self._advance(np.zeros(self.action_space.shape), rooms, np.ones(self.num_envs, bool))
 
     def _reset_room(self, r: int) -> None:
         """Draw a new situation for room `r` and copy what the compiled loop needs of it into the stacks."""

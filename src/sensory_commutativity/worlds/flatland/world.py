@@ -197,7 +197,9 @@ class FlatlandWorld:
             self._velocity.address, self._velocity.values, self._velocity.cursor,
         )  # fmt: skip
         self._paths = Paths(situation.corners[moving], situation.path[moving], situation.phase[moving], room.path_speed)
-        self._pose = np.empty((len(addresses), 3))
+        self._pose = np.zeros((len(addresses) + len(room.marks), 3))
+        for i, mark in enumerate(room.marks):
+            self._pose[len(addresses) + i, :2] = mark.x, mark.y
         self._body = _body(agent, room.damping)
 
     def _add_agent(self, space: pymunk.Space, bodies: np.ndarray) -> list[pymunk.Body]:
@@ -313,14 +315,15 @@ def _body(agent: Polyphemus, damping: float) -> Body:
 
 
 def _scene(agent: Polyphemus, room: Room, situation: Situation, outlines: np.ndarray) -> Scene:
-    """What the eye sees: the agent's arm segments first, then the things; its own base and head it does not see."""
-    arms = np.zeros((4, MAX_VERTICES, 2))
+    """What the eye sees: the agent's arm segments first, then the things, then the marks; its own base and head it does not see."""
+    arms, marks = np.zeros((4, MAX_VERTICES, 2)), np.zeros((len(room.marks), MAX_VERTICES, 2))
     arms[:, :4] = _arm_corners(agent)
     reach = math.hypot(agent.arm_length, agent.arm_width) / 2
     return Scene(
         _rays(agent), agent.field_of_view, agent.view_range,
-        np.concatenate([arms, outlines]), np.concatenate([[4] * 4, situation.vertices]),
-        np.concatenate([[reach] * 4, situation.radius]), np.concatenate([ARM_COLOURS, situation.colour]),
+        np.concatenate([arms, outlines, marks]), np.concatenate([[4] * 4, situation.vertices, np.zeros(len(marks), np.int64)]),
+        np.concatenate([[reach] * 4, situation.radius, [mark.radius for mark in room.marks]]),
+        np.concatenate([ARM_COLOURS, situation.colour, np.array([mark.colour for mark in room.marks], np.uint8).reshape(-1, 3)]),
         _walls(room), WALL_COLOURS,
     )  # fmt: skip
 

@@ -1,33 +1,17 @@
-"""The configuration: what can be set, within which limits, and why a wrong setting is refused.
-
-One typed model per stage; unknown keys are refused; what depends on several keys is checked when the configuration is loaded. The JSON schema in
-``config/schema.json`` is generated from these models (``sensory-commutativity schema``), and a test fails when they drift apart.
-"""
+"""Everything that can be set in two dimensions."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from collections.abc import Iterator
-from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from .config_errors import explain, refuse_what_json_has_not
-from .errors import ConfigError
-
-Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$", max_length=40)]
-"""Lower-case letters and digits, words joined by hyphens: names become parts of file names."""
+from .section import Name, Section, known
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-
-class AgentConfig(_Section):
+class AgentConfig(Section):
     """How an agent differs from the standard Polyphemus. An empty section is the standard one."""
 
     arm_length: float = Field(50.0, gt=0, le=150, description="Length of each of an arm's two segments, units (authors: 50).")
@@ -38,7 +22,7 @@ class AgentConfig(_Section):
     )
 
 
-class WorldConfig(_Section):
+class WorldConfig(Section):
     """A kind of room. Start situations are drawn anew for every experiment."""
 
     things: int = Field(10, ge=0, le=24, description="How many things stand in the room; in every four one is fixed, two movable, one moving.")
@@ -58,7 +42,7 @@ class WorldConfig(_Section):
         return self
 
 
-class ReferenceConfig(_Section):
+class ReferenceConfig(Section):
     """The SCP of every degree of freedom, the paper's main figure in 2-D."""
 
     world: Name = Field("furnished", description="A key of flatland.worlds.")
@@ -66,7 +50,7 @@ class ReferenceConfig(_Section):
     experiments: int = Field(ge=2, le=1_000_000, description="SC-experiments per degree of freedom.")
 
 
-class GroupConfig(_Section):
+class GroupConfig(Section):
     """Every agent in every world."""
 
     worlds: list[Name] = Field(min_length=1, description="Keys of flatland.worlds.")
@@ -74,14 +58,14 @@ class GroupConfig(_Section):
     experiments: int = Field(ge=2, le=1_000_000, description="SC-experiments per degree of freedom.")
 
 
-class SensitivityConfig(_Section):
+class SensitivityConfig(Section):
     """Other sequence lengths, in the reference world with the reference agent."""
 
     lengths: list[Annotated[int, Field(ge=1, le=2000)]] = Field(min_length=1, description="Numbers of actions.")
     experiments: int = Field(ge=2, le=1_000_000, description="SC-experiments per degree of freedom and length.")
 
 
-class CommutationConfig(_Section):
+class CommutationConfig(Section):
     """Philipona's conjecture: does a sequence of one degree of freedom commute with one of another?
 
     Tried in the reference world, and in one where nothing moves by itself and everything is given time to come to rest.
@@ -92,7 +76,7 @@ class CommutationConfig(_Section):
     settled_rest_steps: int = Field(100, ge=0, le=1000, description="Steps without a command that end each order in that world; pushed things coast.")
 
 
-class BaselinesConfig(_Section):
+class BaselinesConfig(Section):
     """The paper's two alternatives to the SCP (appendix A)."""
 
     transitions: int = Field(ge=100, le=10_000_000, description="Transitions per degree of freedom (paper: 100,000).")
@@ -117,7 +101,7 @@ class Run(NamedTuple):
     experiments: int
 
 
-class FlatlandConfig(_Section):
+class FlatlandConfig(Section):
     """Everything in two dimensions (paper, section III-A and appendices A and B)."""
 
     sequence_length: int = Field(50, ge=1, le=2000, description="Actions in a sequence (authors: 50).")
@@ -142,13 +126,13 @@ class FlatlandConfig(_Section):
             group: GroupConfig = getattr(self, section)
             for kind, names in (("worlds", group.worlds), ("agents", group.agents)):
                 for name in names:
-                    _known(name, getattr(self, kind), f"{section}.{kind}", f"flatland.{kind}")
+                    known(name, getattr(self, kind), f"{section}.{kind}", f"flatland.{kind}")
                 if len(set(names)) < len(names):
                     raise ValueError(f"{section}.{kind} names one of {names} twice; remove one")
-        _known(self.reference.world, self.worlds, "reference.world", "flatland.worlds")
-        _known(self.reference.agent, self.agents, "reference.agent", "flatland.agents")
+        known(self.reference.world, self.worlds, "reference.world", "flatland.worlds")
+        known(self.reference.agent, self.agents, "reference.agent", "flatland.agents")
         settled = self.commutation.settled_world
-        _known(settled, self.worlds, "commutation.settled_world", "flatland.worlds")
+        known(settled, self.worlds, "commutation.settled_world", "flatland.worlds")
         if self.worlds[settled].path_speed or settled == self.reference.world:
             raise ValueError(f"commutation.settled_world names {settled!r}; choose a world with path_speed: 0.0 that is not the reference world")
         for name in self.free_space.worlds:
@@ -208,90 +192,3 @@ class FlatlandConfig(_Section):
                     yield Run(world, agent, self.sequence_length, group.experiments)
         for length in self.sensitivity.lengths:
             yield Run(reference.world, reference.agent, length, self.sensitivity.experiments)
-
-
-class Config(_Section):
-    """The whole configuration."""
-
-    profile: Name = Field(description="Name of the run; results lie in a folder of this name.")
-    results: Annotated[str, StringConstraints(pattern=r"^[^{}~*?\x00-\x1f]+$")] = Field(
-        "results", max_length=200, description="Folder that holds the results of all profiles; no braces, wildcards or ~ in its name."
-    )
-    seed: int = Field(ge=0, lt=2**63, description="The root seed; everything random follows from it.")
-    flatland: FlatlandConfig
-
-    @property
-    def folder(self) -> Path:
-        """Where this run's results lie."""
-        return Path(self.results) / self.profile
-
-    def digest(self) -> str:
-        """SHA-256 of all settings, hexadecimal; the same however the file is written."""
-        return hashlib.sha256(json.dumps(self.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
-
-
-def _known(name: str, known: dict[str, Any], key: str, where: str) -> None:
-    if name not in known:
-        raise ValueError(f"{key} names {name!r}, which {where} does not define; choose one of {', '.join(known)}, or define it")
-
-
-def validate(settings: Any) -> Config:
-    """Check settings (what a YAML file holds) and return them typed. Raises ConfigError with one line that names the key and the remedy."""
-    if not isinstance(settings, dict):
-        raise ConfigError(f"config: expected a mapping of keys to values, got {type(settings).__name__}; see config/README.md")
-    refuse_what_json_has_not(settings, "config")
-    try:
-        return Config.model_validate_json(json.dumps(settings))
-    except ValidationError as error:
-        raise ConfigError(explain(error, Config)) from None
-
-
-def merge(base: dict[str, Any], overlay: dict[str, Any]) -> dict[str, Any]:
-    """`base` with the values of `overlay` put over it, mapping by mapping."""
-    merged = dict(base)
-    for key, value in overlay.items():
-        both = isinstance(value, dict) and isinstance(merged.get(key), dict)
-        merged[key] = merge(merged[key], value) if both else value
-    return merged
-
-
-def load(*files: str | Path) -> Config:
-    """Read YAML files, each laid over the ones before, and check the result. Raises ConfigError."""
-    settings: dict[str, Any] = {}
-    for file in files:
-        try:
-            layer = yaml.safe_load(Path(file).read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            raise ConfigError(f"{file}: there is no such file; give the path of a config file, e.g. config/default.yaml") from None
-        except (OSError, UnicodeDecodeError) as error:
-            raise ConfigError(f"{file}: cannot be read ({error}); give the path of a readable YAML file") from None
-        except yaml.YAMLError as error:
-            mark = getattr(error, "problem_mark", None)
-            where = f" in line {mark.line + 1}" if mark else ""
-            raise ConfigError(f"{file}: not valid YAML{where}; check indentation, brackets and quotes there") from None
-        if not isinstance(layer, dict):
-            raise ConfigError(f"{file}: expected a mapping of keys to values at the top; see config/README.md")
-        settings = merge(settings, layer)
-    return validate(settings)
-
-
-def write_resolved(config: Config, path: Path) -> None:
-    """Write all settings, defaults filled in, as the YAML file that the commands read; a file that already says the same is left alone."""
-    head = "# Written by the workflow: all settings of this run, defaults filled in.\n"
-    text = head + yaml.safe_dump(config.model_dump(mode="json"), sort_keys=False)
-    if path.exists() and path.read_text(encoding="utf-8") == text:
-        return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.part")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)
-
-
-def json_schema() -> dict[str, Any]:
-    """The JSON schema of the configuration."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Config.model_json_schema()}
-
-
-def joint_range(agent: AgentConfig) -> float:
-    """Stops of the arm joints, rad; infinite for none."""
-    return math.inf if agent.joint_range_degrees is None else math.radians(agent.joint_range_degrees)

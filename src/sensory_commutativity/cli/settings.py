@@ -1,0 +1,41 @@
+"""Commands that check and complete a configuration."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from ..config import json_schema, load, write_resolved
+from .common import with_out
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True)
+def check(files: tuple[str, ...]) -> None:
+    """Check config FILES, each laid over the ones before: settings, the folder for results, and that agents and things fit into their rooms."""
+    from ..folders import check_writable
+    from ..worlds.flatland.from_config import check_rooms
+
+    config = load(*files)
+    check_writable(config.folder)
+    check_rooms(config)
+    runs = config.flatland.runs()
+    n = sum(run.experiments for run in runs)
+    click.echo(f"profile {config.profile}: {n:,} SC-experiments of each degree of freedom in {len(runs)} runs; results go to {config.folder}")
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True)
+@with_out
+def resolve(files: tuple[str, ...], out: Path) -> None:
+    """Check config FILES, each laid over the ones before, and write all settings with every default filled in."""
+    write_resolved(load(*files), out)
+
+
+@click.command()
+@with_out
+def schema(out: Path) -> None:
+    """Write the JSON schema of the configuration."""
+    out.write_text(json.dumps(json_schema(), indent=2) + "\n")

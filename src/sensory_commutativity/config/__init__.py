@@ -1,0 +1,22 @@
+"""The configuration: what can be set, within which limits, and why a wrong setting is refused.
+
+One typed model per stage; unknown keys are refused; what depends on several keys is checked when the configuration is loaded. The JSON schema in
+``config/schema.json`` is generated from these models (``sensory-commutativity schema``), and a test fails when they drift apart.
+"""
+
+from .flatland import BaselinesConfig, FlatlandConfig, Run
+from .loading import joint_range, json_schema, load, merge, validate, write_resolved
+from .whole import Config
+
+__all__ = [
+    "BaselinesConfig",
+    "Config",
+    "FlatlandConfig",
+    "Run",
+    "joint_range",
+    "json_schema",
+    "load",
+    "merge",
+    "validate",
+    "write_resolved",
+]

@@ -1,0 +1,1 @@
+"""What the SCP is good for: learning to navigate with action spaces made from it (paper, section IV-B)."""

@@ -1,0 +1,53 @@
+"""What a killed run goes on from: one file per run, written whole, beside what the run will write."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from ..errors import UserError
+from ..tables import written_whole
+
+
+class CheckpointError(UserError):
+    """A checkpoint cannot be used."""
+
+
+class Checkpoint:
+    """The checkpoint of the run that will write `out`.
+
+    Parameters
+    ----------
+    out : Path
+    settings : str
+        All that the run depends on. A checkpoint of other settings is another run's: it is left alone, and :meth:`forget` takes it away in the end.
+    """
+
+    def __init__(self, out: Path, settings: str):
+        self.out = out
+        self.path = out.with_name(f".{out.name}.{hashlib.sha256(settings.encode()).hexdigest()[:16]}.checkpoint")
+
+    def load(self) -> dict[str, Any] | None:
+        """What was saved last, or None. Raises CheckpointError when the file is damaged."""
+        if not self.path.exists():
+            return None
+        try:
+            return torch.load(self.path, map_location="cpu", weights_only=True)
+        except (RuntimeError, EOFError, OSError, ValueError, KeyError, pickle.UnpicklingError, zipfile.BadZipFile) as error:
+            reason = str(error).splitlines()[0][:120] if str(error) else type(error).__name__
+            raise CheckpointError(f"{self.path}: a damaged checkpoint ({reason}); delete it, and the run starts anew") from None
+
+    def save(self, state: dict[str, Any]) -> None:
+        """Save tensors, numbers, strings, lists and mappings of them."""
+        with written_whole(self.path) as temporary:
+            torch.save(state, temporary)
+
+    def forget(self) -> None:
+        """Remove all checkpoints of this run, now that it has written what it should."""
+        for path in self.out.parent.glob(f".{self.out.name}.*.checkpoint"):
+            path.unlink(missing_ok=True)

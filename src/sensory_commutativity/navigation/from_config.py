@@ -1,0 +1,59 @@
+"""The navigation task that the configuration describes, and the action spaces that the measured SCPs make of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from gymnasium.vector import AutoresetMode
+
+from ..config import Config
+from ..errors import ConfigError
+from ..seeding import generator, seed_for
+from ..worlds.flatland.agent import Polyphemus
+from ..worlds.flatland.from_config import TRIED, flatland_agent, flatland_room
+from ..worlds.flatland.room import PlacementError, Room, draw_situation
+from .action_spaces import ScaledActions, action_scales, scp_of
+from .task import NavigationEnv, NavigationVectorEnv, Zone, room_with_zones
+
+
+def task_parts(config: Config) -> tuple[Room, tuple[Zone, ...], Polyphemus]:
+    """Room, zones and agent of the task."""
+    navigation = config.navigation
+    zones = tuple(Zone(zone.x, zone.y, zone.radius, zone.reward) for zone in navigation.zones)
+    return flatland_room(config.flatland, navigation.world), zones, flatland_agent(config.flatland, navigation.agent)
+
+
+def navigation_environment(config: Config, render_mode: str | None = None) -> NavigationEnv:
+    """The task in one room, with the whole action space."""
+    room, zones, agent = task_parts(config)
+    return NavigationEnv(room, zones, agent, config.navigation.max_episode_steps, render_mode)
+
+
+def navigation_rooms(config: Config, n: int, scales: np.ndarray) -> ScaledActions:
+    """The task in `n` rooms with scaled actions; an ended episode is reset in the same step."""
+    room, zones, agent = task_parts(config)
+    rooms = NavigationVectorEnv(n, room, zones, agent, config.navigation.max_episode_steps, AutoresetMode.SAME_STEP)
+    return ScaledActions(rooms, scales)
+
+
+def scales_of_run(config: Config, scp_table: pd.DataFrame, action_space: str, seed: int) -> dict[str, float]:
+    """Degree of freedom -> scale of the action space `action_space` of the run `seed`, from the flatland_scp table that the workflow measured."""
+    flatland, navigation = config.flatland, config.navigation
+    dofs = [dof.name for dof in flatland_agent(flatland, navigation.agent).dofs]
+    scp = scp_of(scp_table, dofs, navigation.scp_world, navigation.agent, flatland.sequence_length)
+    return action_scales(action_space, scp, generator(seed_for(config.seed, "navigation", action_space, seed), "half"))
+
+
+def evaluation_seeds(config: Config) -> list[int]:
+    """Seeds of the evaluation's episodes, the same for every run."""
+    return [seed_for(config.seed, "navigation", "evaluation", i) for i in range(config.navigation.evaluation_episodes)]
+
+
+def check_navigation(config: Config) -> None:
+    """Raise ConfigError when the agent finds no place to start outside the zones."""
+    room, zones, agent = task_parts(config)
+    try:
+        for i in range(TRIED):
+            draw_situation(room_with_zones(room, zones), agent, generator(config.seed, "check", "navigation", i))
+    except PlacementError as error:
+        raise ConfigError(f"config: navigation.zones leave too little room to start: {error}") from None

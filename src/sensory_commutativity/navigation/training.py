@@ -1,0 +1,88 @@
+"""One training run: an action space and a seed, from the first step to the last evaluation.
+
+A run is a chain of segments, each from one evaluation to the next. A segment starts with new rooms and newly seeded random numbers, so that the
+weights, the optimiser's state and the curve so far are all that a killed run needs to go on exactly as if it had not been killed.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import torch
+from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
+from stable_baselines3.common.utils import set_random_seed
+
+from ..config import Config
+from ..progress import progress
+from ..seeding import seed_for
+from .checkpoints import Checkpoint
+from .evaluation import evaluate
+from .from_config import evaluation_seeds, navigation_rooms
+from .learner import RoomPPO, make_learner
+from .rooms import Rooms
+
+
+def learner_of_run(config: Config, action_space: str, seed: int, scales: dict[str, float]) -> RoomPPO:
+    """The learner of a run before its first step."""
+    settings = config.navigation.learner
+    rooms = navigation_rooms(config, settings.rooms, np.array(list(scales.values())))
+    return make_learner(Rooms(rooms, settings.reward_scale), settings, seed_for(config.seed, "navigation", action_space, seed) % 2**32)
+
+
+def policy_of_run(config: Config, action_space: str, seed: int, model: dict[str, Any]) -> RecurrentActorCriticPolicy:
+    """The trained policy that a run left as `model`."""
+    learner = learner_of_run(config, action_space, seed, model["scales"])
+    learner.policy.load_state_dict(model["policy"])
+    return learner.policy
+
+
+def train(config: Config, action_space: str, seed: int, scales: dict[str, float], checkpoint: Checkpoint) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """Train and evaluate to the end, or go on from the checkpoint.
+
+    Parameters
+    ----------
+    action_space, seed : str, int
+        Which run.
+    scales : mapping
+        Degree of freedom -> scale in [0, 1], in the order of the actions.
+    checkpoint : Checkpoint
+        Saved after every segment.
+
+    Returns
+    -------
+    curve : DataFrame
+        A row per evaluation: step, episode_return, success_rate, dead_rate, episode_length, episodes.
+    model : dict
+        scales, and the policy's weights.
+    """
+    torch.set_num_threads(1)
+    navigation = config.navigation
+    seeds = evaluation_seeds(config)
+    arena = navigation_rooms(config, len(seeds), np.array(list(scales.values())))
+    learner = learner_of_run(config, action_space, seed, scales)
+    curve: list[dict[str, float]] = []
+    saved = checkpoint.load()
+    if saved is not None:
+        learner.policy.load_state_dict(saved["policy"])
+        learner.policy.optimizer.load_state_dict(saved["optimizer"])
+        curve = saved["curve"]
+    for segment in progress(range(len(curve), navigation.checkpoints), f"{action_space} {seed}", "segment"):
+        start = seed_for(config.seed, "navigation", action_space, seed, segment)
+        set_random_seed(start % 2**32)
+        learner.env.seed(start % 2**32)
+        learner.learn(navigation.steps // navigation.checkpoints)
+        episodes = evaluate(learner.policy, arena, seeds)
+        curve.append(
+            dict(
+                step=(segment + 1) * (navigation.steps // navigation.checkpoints),
+                episode_return=float(episodes.returns.mean()),
+                success_rate=episodes.success_rate,
+                dead_rate=episodes.dead_rate,
+                episode_length=float(episodes.lengths.mean()),
+                episodes=len(seeds),
+            )
+        )
+        checkpoint.save(dict(policy=learner.policy.state_dict(), optimizer=learner.policy.optimizer.state_dict(), curve=curve))
+    return pd.DataFrame(curve), dict(action_space=action_space, seed=seed, scales=dict(scales), policy=learner.policy.state_dict())
