@@ -227,7 +227,7 @@ def test_runs_are_all_experiments_in_order(tiny_config):
     assert runs[0] == Run("furnished", "polyphemus", 4, 5)
     assert runs[1:3] == [Run("free-space", "polyphemus", 4, 3), Run("free-space", "joint-stops", 4, 3)]
     assert runs[-2:] == [Run("furnished", "polyphemus", 2, 3), Run("furnished", "polyphemus", 6, 3)]
-    assert len(runs) == 1 + 2 + 4 * 2 + 2 + 2
+    assert len(runs) == 1 + 2 + 4 * 2 + 3 + 2
     assert len({run[:3] for run in runs}) == len(runs)
 
 

@@ -6,12 +6,15 @@ One typed model per stage; unknown keys are refused; what depends on several key
 
 from .flatland import BaselinesConfig, FlatlandConfig, Run
 from .loading import joint_range, json_schema, load, merge, validate, write_resolved
+from .navigation import LearnerConfig, NavigationConfig
 from .whole import Config
 
 __all__ = [
     "BaselinesConfig",
     "Config",
     "FlatlandConfig",
+    "LearnerConfig",
+    "NavigationConfig",
     "Run",
     "joint_range",
     "json_schema",

@@ -7,10 +7,11 @@ import json
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field, StringConstraints
+from pydantic import Field, StringConstraints, model_validator
 
 from .flatland import FlatlandConfig
-from .section import Name, Section
+from .navigation import NavigationConfig
+from .section import Name, Section, known
 
 
 class Config(Section):
@@ -22,6 +23,27 @@ class Config(Section):
     )
     seed: int = Field(ge=0, lt=2**63, description="The root seed; everything random follows from it.")
     flatland: FlatlandConfig
+    navigation: NavigationConfig
+
+    @model_validator(mode="after")
+    def _navigation_is_measured(self) -> Config:
+        flatland, navigation = self.flatland, self.navigation
+        known(navigation.world, flatland.worlds, "navigation.world", "flatland.worlds")
+        known(navigation.scp_world, flatland.worlds, "navigation.scp_world", "flatland.worlds")
+        known(navigation.agent, flatland.agents, "navigation.agent", "flatland.agents")
+        if (navigation.scp_world, navigation.agent, flatland.sequence_length) not in [run[:3] for run in flatland.runs()]:
+            raise ValueError(
+                f"navigation needs the SCP of {navigation.agent!r} in {navigation.scp_world!r}, which no section of flatland measures; "
+                "name them in flatland.variants"
+            )
+        room = flatland.worlds[navigation.world]
+        for zone in navigation.zones:
+            if not (zone.radius <= zone.x <= room.width - zone.radius and zone.radius <= zone.y <= room.height - zone.radius):
+                raise ValueError(
+                    f"navigation.zones: the one at ({zone.x:g}, {zone.y:g}) leaves the room {navigation.world!r} of "
+                    f"{room.width:g} x {room.height:g}; move or shrink it"
+                )
+        return self
 
     @property
     def folder(self) -> Path:

@@ -96,7 +96,7 @@ def action_scales(action_space: str, scp: Scp, rng: np.random.Generator | None =
 
 
 def scp_of(table: pd.DataFrame, dofs: Sequence[str], world: str, agent: str, length: int, threshold: float = 0.0) -> dict[str, float]:
-    """The SCPs that a flatland_scp table holds of an agent in a world, in the order of `dofs`. Raises ScpError where one is missing or there twice."""
+    """The SCPs that a flatland_scp table holds of an agent in a world, in the order of `dofs`. Raises ScpError where one is missing or twice."""
     chosen = (table["world"] == world) & (table["agent"] == agent) & (table["length"] == length) & (table["threshold"] == threshold)
     rows = table[chosen]
     where = f"the SCP table, {agent!r} in {world!r}, length {length}, threshold {threshold:g}"
