@@ -56,6 +56,10 @@ _TEST = (
     Column("p", _FLOAT, "1", "two-sided p-value"),
     Column("p_adjusted", _FLOAT, "1", "p-value after Holm's correction"),
 )
+_RUN = (
+    Column("action_space", _TEXT, "", "full, truncated, adapted, random-half or inverse"),
+    Column("seed", _INT, "1", "which training run"),
+)
 
 TABLES: dict[str, tuple[Column, ...]] = {
     "flatland_experiments": (
@@ -122,6 +126,21 @@ TABLES: dict[str, tuple[Column, ...]] = {
         Column("spearman", _FLOAT, "1", "Spearman's rank correlation with 1 - SCP; 1 would be the same order"),
         Column("kendall", _FLOAT, "1", "Kendall's tau-b with 1 - SCP"),
         Column("p", _FLOAT, "1", "two-sided p-value of Spearman's coefficient, permutation test"),
+    ),
+    "navigation_action_spaces": (
+        *_RUN,
+        Column("dof", _TEXT, "", "degree of freedom"),
+        Column("scp", _FLOAT, "1", "its measured sensory commutativity probability"),
+        Column("scale", _FLOAT, "1", "factor of its action interval; 0 fixes it"),
+    ),
+    "navigation_curves": (
+        *_RUN,
+        Column("step", _INT, "steps", "environment steps of training before this evaluation"),
+        Column("episode_return", _FLOAT, "reward", "mean return of the evaluation's episodes"),
+        Column("success_rate", _FLOAT, "1", "fraction of episodes that ended in the goal"),
+        Column("dead_rate", _FLOAT, "1", "fraction of episodes that ended in a dead zone"),
+        Column("episode_length", _FLOAT, "steps", "mean length of the episodes"),
+        Column("episodes", _INT, "1", "episodes of the evaluation"),
     ),
     "paper_comparison": (
         Column("claim", _TEXT, "", "what the paper says"),

@@ -10,6 +10,7 @@ from sensory_commutativity.errors import UserError
 from sensory_commutativity.figures.catalogue import FIGURES
 from sensory_commutativity.figures.catalogue import COMPARED
 from sensory_commutativity.folders import check_writable
+from sensory_commutativity.navigation.from_config import check_navigation
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
 from sensory_commutativity.worlds.flatland.from_config import check_rooms
 
@@ -17,12 +18,14 @@ try:
     CONFIG = validate(config)
     check_writable(CONFIG.folder)
     check_rooms(CONFIG)
+    check_navigation(CONFIG)
 except UserError as error:
     print(f"error: {error}", file=sys.stderr)
     sys.exit(2)
 
 RESULTS = CONFIG.folder
 DATA = RESULTS / "data"
+MODELS = RESULTS / "models"
 TABLES = RESULTS / "tables"
 DRAWN = RESULTS / "figures"
 LOGS = RESULTS / "logs"
@@ -32,6 +35,7 @@ RESOLVED = (
 )  # no rule's input: what a rule depends on is in its params
 
 FLATLAND = CONFIG.flatland
+NAVIGATION = CONFIG.navigation
 RUNS = {f"{run.world}.{run.agent}.{run.length}": run for run in FLATLAND.runs()}
 DOFS = [dof.name for dof in Polyphemus().dofs]
 
@@ -41,6 +45,8 @@ wildcard_constraints:
     agent="|".join(FLATLAND.agents),
     dof="|".join(DOFS),
     length=r"\d+",
+    action_space="|".join(NAVIGATION.action_spaces),
+    seed=r"\d+",
     part=r"\d+",
     parts=r"\d+",
 

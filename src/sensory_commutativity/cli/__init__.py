@@ -12,7 +12,7 @@ import sys
 import click
 
 from ..errors import UserError
-from . import figures, flatland, settings
+from . import figures, flatland, navigation, settings
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
 
@@ -42,6 +42,9 @@ for _command in (
     flatland.flatland_scp,
     flatland.flatland_sensitivity,
     flatland.flatland_trends,
+    navigation.navigation_action_spaces,
+    navigation.navigation_curves,
+    navigation.navigation_run,
     figures.paper_comparison,
     settings.resolve,
     settings.schema,

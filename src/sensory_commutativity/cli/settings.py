@@ -16,11 +16,13 @@ from .common import with_out
 def check(files: tuple[str, ...]) -> None:
     """Check config FILES, each laid over the ones before: settings, the folder for results, and that agents and things fit into their rooms."""
     from ..folders import check_writable
+    from ..navigation.from_config import check_navigation
     from ..worlds.flatland.from_config import check_rooms
 
     config = load(*files)
     check_writable(config.folder)
     check_rooms(config)
+    check_navigation(config)
     runs = config.flatland.runs()
     n = sum(run.experiments for run in runs)
     click.echo(f"profile {config.profile}: {n:,} SC-experiments of each degree of freedom in {len(runs)} runs; results go to {config.folder}")

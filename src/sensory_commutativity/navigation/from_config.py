@@ -12,7 +12,7 @@ from ..seeding import generator, seed_for
 from ..worlds.flatland.agent import Polyphemus
 from ..worlds.flatland.from_config import TRIED, flatland_agent, flatland_room
 from ..worlds.flatland.room import PlacementError, Room, draw_situation
-from .action_spaces import ScaledActions, action_scales, scp_of
+from .action_spaces import ScaledActions, Scp, action_scales, scp_of
 from .task import NavigationEnv, NavigationVectorEnv, Zone, room_with_zones
 
 
@@ -36,11 +36,15 @@ def navigation_rooms(config: Config, n: int, scales: np.ndarray) -> ScaledAction
     return ScaledActions(rooms, scales)
 
 
-def scales_of_run(config: Config, scp_table: pd.DataFrame, action_space: str, seed: int) -> dict[str, float]:
-    """Degree of freedom -> scale of the action space `action_space` of the run `seed`, from the flatland_scp table that the workflow measured."""
+def measured_scp(config: Config, scp_table: pd.DataFrame) -> dict[str, float]:
+    """Degree of freedom -> SCP of the agent that learns, from the flatland_scp table that the workflow measured. Raises ScpError."""
     flatland, navigation = config.flatland, config.navigation
     dofs = [dof.name for dof in flatland_agent(flatland, navigation.agent).dofs]
-    scp = scp_of(scp_table, dofs, navigation.scp_world, navigation.agent, flatland.sequence_length)
+    return scp_of(scp_table, dofs, navigation.scp_world, navigation.agent, flatland.sequence_length)
+
+
+def scales_of_run(config: Config, scp: Scp, action_space: str, seed: int) -> dict[str, float]:
+    """Degree of freedom -> scale of the action space in the run `seed`."""
     return action_scales(action_space, scp, generator(seed_for(config.seed, "navigation", action_space, seed), "half"))
 
 

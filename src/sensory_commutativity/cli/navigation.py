@@ -1,0 +1,52 @@
+"""Commands of the navigation task: action spaces, training runs, and what is made of their curves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..config import Config
+from .common import table, with_config, with_out, with_parts
+
+
+@click.command()
+@with_config
+@table("flatland-scp")
+@with_out
+def navigation_action_spaces(config: Config, flatland_scp: Path, out: Path) -> None:
+    """Make the action spaces of all training runs from the measured SCPs."""
+    from ..stages.navigation_action_spaces import write_action_spaces
+
+    write_action_spaces(flatland_scp, out, config)
+
+
+@click.command()
+@with_config
+@click.option("--action-space", required=True, help="One of navigation.action_spaces.")
+@click.option("--seed", type=click.IntRange(0), required=True, help="One of navigation.seeds.")
+@table("navigation-action-spaces")
+@click.option("--model", type=click.Path(dir_okay=False, path_type=Path), required=True, help="File for the trained policy.")
+@with_out
+def navigation_run(config: Config, action_space: str, seed: int, navigation_action_spaces: Path, model: Path, out: Path) -> None:
+    """Train one agent, or go on where a killed run stopped; write its learning curve."""
+    from ..stages.navigation_curves import write_run
+
+    if (action_space, seed) not in config.navigation.runs:
+        navigation = config.navigation
+        raise click.UsageError(
+            f"the configuration has no run of action space {action_space!r} with seed {seed}; it has {', '.join(navigation.action_spaces)}, "
+            f"each with the {len(navigation.seeds)} seeds {navigation.seeds[0]} to {navigation.seeds[-1]}"
+        )
+    write_run(config, action_space, seed, navigation_action_spaces, out, model)
+
+
+@click.command()
+@with_config
+@with_parts
+@with_out
+def navigation_curves(config: Config, parts: tuple[Path, ...], out: Path) -> None:
+    """Gather the learning curves in PARTS; every run of the configuration must be there, once."""
+    from ..stages.navigation_curves import gather_curves
+
+    gather_curves(list(parts), out, config)

@@ -1,0 +1,81 @@
+# Learning to navigate: action spaces from the measured SCPs, one job per training run, and what the runs show.
+
+
+def task(*more):
+    """Settings of the task and of the learner, and the names that are part of the seeds."""
+    return digest(
+        FLATLAND.worlds[NAVIGATION.world],
+        FLATLAND.agents[NAVIGATION.agent],
+        NAVIGATION.zones,
+        NAVIGATION.max_episode_steps,
+        *more,
+    )
+
+
+def training():
+    """Settings of every training run."""
+    return task(
+        NAVIGATION.steps,
+        NAVIGATION.checkpoints,
+        NAVIGATION.evaluation_episodes,
+        NAVIGATION.learner,
+    )
+
+
+rule navigation_action_spaces:
+    input:
+        flatland_scp=TABLES / "flatland_scp.parquet",
+    output:
+        TABLES / "navigation_action_spaces.parquet",
+    log:
+        LOGS / "navigation_action_spaces.log",
+    params:
+        settings=digest(
+            NAVIGATION.scp_world,
+            NAVIGATION.agent,
+            NAVIGATION.action_spaces,
+            NAVIGATION.seeds,
+            FLATLAND.sequence_length,
+        ),
+    message:
+        "making action spaces from the measured SCPs"
+    shell:
+        "sensory-commutativity navigation-action-spaces --config {RESOLVED:q} --flatland-scp {input.flatland_scp:q} --out {output:q} 2> {log:q}"
+
+
+rule navigation_run:
+    input:
+        navigation_action_spaces=TABLES / "navigation_action_spaces.parquet",
+    output:
+        curve=DATA / "navigation_runs" / "{action_space}.{seed}.parquet",
+        model=MODELS / "navigation" / "{action_space}.{seed}.pt",
+    log:
+        LOGS / "navigation_run" / "{action_space}.{seed}.log",
+    benchmark:
+        BENCHMARKS / "navigation_run" / "{action_space}.{seed}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        settings=training(),
+    message:
+        "training with the action space {wildcards.action_space}, seed {wildcards.seed}"
+    shell:
+        "sensory-commutativity navigation-run --config {RESOLVED:q} --action-space {wildcards.action_space} --seed {wildcards.seed}"
+        " --navigation-action-spaces {input.navigation_action_spaces:q} --model {output.model:q} --out {output.curve:q} 2> {log:q}"
+
+
+rule navigation_curves:
+    input:
+        parts=[
+            DATA / "navigation_runs" / f"{action_space}.{seed}.parquet"
+            for action_space, seed in NAVIGATION.runs
+        ],
+    output:
+        TABLES / "navigation_curves.parquet",
+    log:
+        LOGS / "navigation_curves.log",
+    message:
+        "gathering the learning curves of all runs"
+    shell:
+        "sensory-commutativity navigation-curves --config {RESOLVED:q} --out {output:q} {input.parts:q} 2> {log:q}"
