@@ -28,7 +28,7 @@ class LearnerConfig(Section):
     rooms: int = Field(32, ge=1, le=1024, description="Rooms that are played side by side.")
     rollout_steps: int = Field(64, ge=4, le=4096, description="Steps of every room between two updates.")
     batch_size: int = Field(512, ge=4, le=1_000_000, description="Transitions per gradient step: those of a whole number of rooms.")
-    epochs: int = Field(6, ge=1, le=100, description="Passes over a rollout.")
+    epochs: int = Field(4, ge=1, le=100, description="Passes over a rollout.")
     learning_rate: float = Field(1e-3, gt=0, le=1, description="Of Adam.")
     discount: float = Field(0.99, gt=0, lt=1, description="Gamma: what a reward one step later is worth.")
     gae_lambda: float = Field(0.95, ge=0, le=1, description="Lambda of generalised advantage estimation.")
