@@ -22,7 +22,10 @@ from .config import Config
 from .errors import TableError
 from .provenance import provenance
 
-NULLABLE = ("ci_low", "ci_high", "excess_error", "spearman", "kendall")
+NULLABLE = (
+    "ci_low", "ci_high", "excess_error", "spearman", "kendall", "statistic", "df", "difference", "effect_size",
+    "median", "median_low", "median_high", "iqm", "iqm_low", "iqm_high",
+)  # fmt: skip
 """Columns that may be empty: where there is no single number, or it is not defined."""
 
 
@@ -59,6 +62,11 @@ _TEST = (
 _RUN = (
     Column("action_space", _TEXT, "", "full, truncated, adapted, random-half or inverse"),
     Column("seed", _INT, "1", "which training run"),
+)
+_PAIR = (
+    Column("family", _TEXT, "", "paper: the three action spaces that the paper compares; controls: the other pairs"),
+    Column("a", _TEXT, "", "action space"),
+    Column("b", _TEXT, "", "action space"),
 )
 
 TABLES: dict[str, tuple[Column, ...]] = {
@@ -141,6 +149,86 @@ TABLES: dict[str, tuple[Column, ...]] = {
         Column("dead_rate", _FLOAT, "1", "fraction of episodes that ended in a dead zone"),
         Column("episode_length", _FLOAT, "steps", "mean length of the episodes"),
         Column("episodes", _INT, "1", "episodes of the evaluation"),
+    ),
+    "navigation_scores": (
+        *_RUN,
+        Column("final_return", _FLOAT, "reward", "mean return at the last evaluation"),
+        Column("auc", _FLOAT, "reward", "mean return over all evaluations: the area under the learning curve"),
+        Column("success_rate", _FLOAT, "1", "fraction of episodes that ended in the goal at the last evaluation"),
+        Column("steps_to_threshold", _FLOAT, "steps", "first evaluation with the threshold return; the whole run where none had it"),
+        Column("reached", _BOOL, "", "whether the threshold return was reached; if not, steps_to_threshold is censored"),
+        Column("solved", _BOOL, "", "whether the last evaluation has the success rate that counts as solved"),
+    ),
+    "navigation_summary": (
+        Column("action_space", _TEXT, "", "which action space"),
+        Column("measure", _TEXT, "", "a score, or the fraction of runs that reached the threshold or solved the task"),
+        Column("n", _INT, "1", "runs"),
+        Column("mean", _FLOAT, "of the measure", "mean"),
+        Column("mean_low", _FLOAT, "of the measure", "95 % interval of the mean: Student's t; Wilson's for fractions of runs"),
+        Column("mean_high", _FLOAT, "of the measure", "its upper end"),
+        Column("median", _FLOAT, "of the measure", "median"),
+        Column("median_low", _FLOAT, "of the measure", "95 % interval, bootstrap"),
+        Column("median_high", _FLOAT, "of the measure", "its upper end"),
+        Column("iqm", _FLOAT, "of the measure", "interquartile mean"),
+        Column("iqm_low", _FLOAT, "of the measure", "95 % interval, bootstrap"),
+        Column("iqm_high", _FLOAT, "of the measure", "its upper end"),
+    ),
+    "navigation_comparisons": (
+        *_PAIR,
+        Column("measure", _TEXT, "", "which score"),
+        Column("test", _TEXT, "", "name of the test; Welch decides"),
+        Column("statistic", _FLOAT, "1", "of the test"),
+        Column("df", _FLOAT, "1", "degrees of freedom"),
+        *_TEST,
+        Column("difference", _FLOAT, "of the measure", "mean of a minus mean of b"),
+        Column("ci_low", _FLOAT, "of the measure", "lower end of the 95 % interval of the difference, or else of the effect size"),
+        Column("ci_high", _FLOAT, "of the measure", "its upper end"),
+        Column("effect", _TEXT, "", "what effect_size is"),
+        Column("effect_size", _FLOAT, "1", "Hedges' g, the probability that a run of a is better, or the ratio of the mean steps"),
+    ),
+    "navigation_checkpoints": (
+        Column("step", _INT, "steps", "environment steps of training"),
+        *_PAIR,
+        Column("difference", _FLOAT, "reward", "mean return of a minus that of b"),
+        Column("ci_low", _FLOAT, "reward", "lower end of its 95 % interval, not corrected"),
+        Column("ci_high", _FLOAT, "reward", "its upper end"),
+        Column("p", _FLOAT, "1", "two-sided p-value, Welch"),
+        Column("p_adjusted", _FLOAT, "1", "p-value after Holm's correction over all checkpoints and pairs of the family"),
+    ),
+    "navigation_survival": (
+        Column("action_space", _TEXT, "", "which action space"),
+        Column("step", _FLOAT, "steps", "environment steps of training"),
+        Column("at_risk", _INT, "1", "runs that had not reached the threshold before"),
+        Column("events", _INT, "1", "runs that reached it here"),
+        Column("survival", _FLOAT, "1", "Kaplan-Meier estimate of the fraction of runs that have not reached it"),
+        *_INTERVAL,
+    ),
+    "navigation_profiles": (
+        Column("action_space", _TEXT, "", "which action space"),
+        Column("threshold", _FLOAT, "reward", "final return"),
+        Column("n", _INT, "1", "runs"),
+        Column("above", _INT, "1", "runs with at least this final return"),
+        Column("fraction", _FLOAT, "1", "their fraction"),
+        *_INTERVAL,
+    ),
+    "navigation_calibration": (
+        Column("action_space", _TEXT, "", "whose runs were split; all: all action spaces together"),
+        Column("measure", _TEXT, "", "which score"),
+        Column("splits", _INT, "1", "random halves that were compared (A/A)"),
+        Column("rejected", _INT, "1", "how many differed significantly"),
+        Column("rate", _FLOAT, "1", "their fraction"),
+        Column("alpha", _FLOAT, "1", "what it should be"),
+        Column("band_low", _FLOAT, "1", "central 95 % of the rate if each split rejected with probability alpha"),
+        Column("band_high", _FLOAT, "1", "its upper end"),
+    ),
+    "navigation_power": (
+        Column("question", _TEXT, "", "what is asked"),
+        Column("a", _TEXT, "", "action space, where an observed effect is meant"),
+        Column("b", _TEXT, "", "the other"),
+        Column("alpha", _FLOAT, "1", "significance level: family-wise, and divided by three pairs"),
+        Column("n", _FLOAT, "1", "runs of each action space"),
+        Column("effect_size", _FLOAT, "1", "standardised difference of means"),
+        Column("power", _FLOAT, "1", "probability to find it"),
     ),
     "paper_comparison": (
         Column("claim", _TEXT, "", "what the paper says"),

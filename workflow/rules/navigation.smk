@@ -79,3 +79,44 @@ rule navigation_curves:
         "gathering the learning curves of all runs"
     shell:
         "sensory-commutativity navigation-curves --config {RESOLVED:q} --out {output:q} {input.parts:q} 2> {log:q}"
+
+
+NAVIGATION_TABLES = (
+    {  # table -> the table it is made from, and the settings it depends on
+        "navigation_scores": (
+            "navigation_curves",
+            training()
+            + digest(NAVIGATION.threshold_return, NAVIGATION.solved_success_rate),
+        ),
+        "navigation_summary": ("navigation_scores", digest()),
+        "navigation_comparisons": ("navigation_scores", digest()),
+        "navigation_checkpoints": ("navigation_curves", digest()),
+        "navigation_survival": ("navigation_scores", digest()),
+        "navigation_profiles": ("navigation_scores", digest(NAVIGATION.zones)),
+        "navigation_power": ("navigation_scores", digest(NAVIGATION.seeds)),
+        "navigation_calibration": (
+            "navigation_scores",
+            digest(NAVIGATION.calibration_splits),
+        ),
+    }
+)
+
+for table, (source, settings) in NAVIGATION_TABLES.items():
+
+    rule:
+        name:
+            table
+        input:
+            TABLES / f"{source}.parquet",
+        output:
+            TABLES / f"{table}.parquet",
+        log:
+            LOGS / f"{table}.log",
+        params:
+            command=table.replace("_", "-"),
+            option=source.replace("_", "-"),
+            settings=settings,
+        message:
+            "making the table {params.command}"
+        shell:
+            "sensory-commutativity {params.command} --config {RESOLVED:q} --{params.option} {input:q} --out {output:q} 2> {log:q}"

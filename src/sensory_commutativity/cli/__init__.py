@@ -45,6 +45,7 @@ for _command in (
     navigation.navigation_action_spaces,
     navigation.navigation_curves,
     navigation.navigation_run,
+    *navigation.FROM_TABLES,
     figures.paper_comparison,
     settings.resolve,
     settings.schema,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 
 import click
@@ -50,3 +51,32 @@ def navigation_curves(config: Config, parts: tuple[Path, ...], out: Path) -> Non
     from ..stages.navigation_curves import gather_curves
 
     gather_curves(list(parts), out, config)
+
+
+def _from_table(name: str, source: str, module: str, function: str, text: str) -> click.Command:
+    """A command that makes the table `name` from the table `source` alone."""
+
+    @click.command(name.replace("_", "-"), help=text)
+    @with_config
+    @table(source.replace("_", "-"))
+    @with_out
+    def command(config: Config, out: Path, **tables: Path) -> None:
+        stage = importlib.import_module(f"..stages.{module}", __package__)
+        getattr(stage, function)(tables[source], out, config)
+
+    return command
+
+
+FROM_TABLES = tuple(
+    _from_table(*row)
+    for row in (
+        ("navigation_scores", "navigation_curves", "navigation_scores", "write_scores", "Score every training run."),
+        ("navigation_summary", "navigation_scores", "navigation_scores", "write_summary", "Mean, median, interquartile mean of every score."),
+        ("navigation_comparisons", "navigation_scores", "navigation_comparisons", "write_comparisons", "Compare the action spaces in pairs."),
+        ("navigation_checkpoints", "navigation_curves", "navigation_comparisons", "write_checkpoints", "Compare them at every checkpoint."),
+        ("navigation_survival", "navigation_scores", "navigation_survival", "write_survival", "Kaplan-Meier curves of the steps to the threshold."),
+        ("navigation_profiles", "navigation_scores", "navigation_survival", "write_profiles", "Fraction of runs above every return."),
+        ("navigation_power", "navigation_scores", "navigation_power", "write_power", "Which differences would so many runs find?"),
+        ("navigation_calibration", "navigation_scores", "navigation_power", "write_calibration", "How often do the tests err? (A/A)"),
+    )
+)

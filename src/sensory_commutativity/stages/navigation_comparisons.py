@@ -1,0 +1,106 @@
+"""Do the action spaces differ? Welch's test with Holm's correction decides; the other tests stand beside it, whether they agree or not.
+
+The paper's three pairs are one family, the pairs with a control another. Fixed before the runs: the pairs and their order, the measures, the tests,
+alpha. Steps to the threshold are censored at the end of a run: Welch sees the length of the run there, which makes a slow action space look faster
+than it is; the log-rank test treats it as what it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from ..config import Config
+from ..config.navigation import PAPER_SPACES
+from ..seeding import generator
+from ..statistics.aggregates import ratio_of_means
+from ..statistics.groups import games_howell, mann_whitney, permutation, probability_of_improvement, welch
+from ..statistics.paired import holm
+from ..statistics.survival import log_rank
+from ..tables import read_table, write_table
+from .navigation_scores import MEASURES
+
+ALPHA = 0.05
+"""Family-wise; fixed before the runs."""
+
+STEPS = "steps_to_threshold"
+WELCH, HALF, LOG_RANK = "Welch", "Welch, against half of b", "log-rank"
+_EXPECTED = ("truncated", "adapted", "random-half", "full", "inverse")
+
+
+def pairs(config: Config) -> list[tuple[str, str, str]]:
+    """(family, a, b) of all pairs; a is the one that the paper, or common sense, expects to learn faster."""
+    spaces = [name for name in _EXPECTED if name in config.navigation.action_spaces]
+    found = [("paper" if {a, b} <= set(PAPER_SPACES) else "controls", a, b) for a, b in combinations(spaces, 2)]
+    return sorted(found, key=lambda pair: pair[0] != "paper")
+
+
+def compare(scores: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """All tests of all pairs on all measures; `scores` is a navigation_scores table."""
+    groups = dict(tuple(scores.groupby("action_space", sort=False)))
+    frame = pd.DataFrame([row for family, a, b in pairs(config) for row in _tests(family, a, b, groups, config)])
+    simultaneous = frame["test"] == "Games-Howell"
+    frame["p_adjusted"] = frame["p"]
+    for _, rows in frame[~simultaneous].groupby(["family", "measure", "test"]):
+        frame.loc[rows.index, "p_adjusted"] = holm(rows["p"].to_numpy())
+    return frame
+
+
+def _tests(family: str, a: str, b: str, groups: dict[str, pd.DataFrame], config: Config) -> Iterator[dict[str, Any]]:
+    for measure in MEASURES:
+        pair = dict(family=family, a=a, b=b, measure=measure)
+        x, y = groups[a][measure].to_numpy(), groups[b][measure].to_numpy()
+        rng = generator(config.seed, "navigation", "comparisons", a, b, measure)
+        yield dict(**pair, test=WELCH, effect="Hedges' g", **welch(x, y)._asdict())
+        members = PAPER_SPACES if family == "paper" else tuple(groups)
+        together = games_howell({name: groups[name][measure].to_numpy() for name in members})
+        found, sign = (together[a, b], 1) if (a, b) in together else (together[b, a], -1)
+        ends = sorted((sign * found.ci_low, sign * found.ci_high))
+        yield dict(**pair, test="Games-Howell", p=found.p, difference=sign * found.difference, ci_low=ends[0], ci_high=ends[1], effect="")
+        better = (y, x) if measure == STEPS else (x, y)
+        improvement = probability_of_improvement(*better, rng)
+        yield dict(
+            **pair, test="Mann-Whitney", **mann_whitney(x, y)._asdict(), effect="P(a better)", effect_size=improvement.probability,
+            ci_low=improvement.ci_low, ci_high=improvement.ci_high,
+        )  # fmt: skip
+        yield dict(**pair, test="permutation", p=permutation(x, y, rng), difference=x.mean() - y.mean(), effect="")
+        if measure == STEPS:
+            yield from _steps(pair, groups[a], groups[b], rng)
+
+
+def _steps(pair: dict[str, str], a: pd.DataFrame, b: pd.DataFrame, rng: Any) -> Iterator[dict[str, Any]]:
+    """What only times to an event allow."""
+    test = log_rank(a[STEPS].to_numpy(), a["reached"].to_numpy(), b[STEPS].to_numpy(), b["reached"].to_numpy())
+    yield dict(**pair, test=LOG_RANK, statistic=test.statistic, p=test.p, effect="")
+    half = welch(a[STEPS].to_numpy(), b[STEPS].to_numpy() / 2)
+    ratio = ratio_of_means(a[STEPS].to_numpy(), b[STEPS].to_numpy(), rng)
+    yield dict(
+        **pair, test=HALF, statistic=half.statistic, df=half.df, p=half.p, effect="ratio of mean steps, a / b", effect_size=ratio.ratio,
+        ci_low=ratio.ci_low, ci_high=ratio.ci_high,
+    )  # fmt: skip
+
+
+def write_comparisons(scores: Path, out: Path, config: Config) -> None:
+    frame = compare(read_table("navigation_scores", scores), config)
+    write_table("navigation_comparisons", frame, out, config)
+
+
+def compare_checkpoints(curves: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """Welch at every checkpoint of every pair, Holm over all checkpoints and pairs of a family; `curves` is a navigation_curves table."""
+    rows = []
+    for step, evaluation in curves.groupby("step"):
+        groups = {name: runs["episode_return"].to_numpy() for name, runs in evaluation.groupby("action_space")}
+        for family, a, b in pairs(config):
+            test = welch(groups[a], groups[b])
+            rows.append((step, family, a, b, test.difference, test.ci_low, test.ci_high, test.p))
+    frame = pd.DataFrame(rows, columns=["step", "family", "a", "b", "difference", "ci_low", "ci_high", "p"])
+    frame["p_adjusted"] = frame.groupby("family")["p"].transform(lambda p: holm(p.to_numpy()))
+    return frame
+
+
+def write_checkpoints(curves: Path, out: Path, config: Config) -> None:
+    write_table("navigation_checkpoints", compare_checkpoints(read_table("navigation_curves", curves), config), out, config)

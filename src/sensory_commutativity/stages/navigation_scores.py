@@ -1,0 +1,67 @@
+"""What each training run achieved, and a summary for each action space."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+from ..config import Config
+from ..seeding import generator
+from ..statistics.aggregates import summary
+from ..statistics.proportions import wilson_interval
+from ..tables import read_table, write_table
+from .navigation_curves import check_runs
+
+MEASURES = ("final_return", "auc", "success_rate", "steps_to_threshold")
+"""Scores that are compared; the first is the primary one. Of steps_to_threshold less is better."""
+
+
+def score_runs(curves: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """A row per run, in the order of the configuration; `curves` is a navigation_curves table."""
+    navigation = config.navigation
+    rows = []
+    runs = dict(tuple(curves.groupby(["action_space", "seed"])))
+    for action_space, seed in navigation.runs:
+        curve = runs[action_space, seed].sort_values("step")
+        last = curve.iloc[-1]
+        there = curve["step"][curve["episode_return"] >= navigation.threshold_return]
+        rows.append(
+            dict(
+                action_space=action_space,
+                seed=seed,
+                final_return=last["episode_return"],
+                auc=curve["episode_return"].mean(),
+                success_rate=last["success_rate"],
+                steps_to_threshold=float(there.iloc[0] if len(there) else navigation.steps),
+                reached=bool(len(there)),
+                solved=bool(last["success_rate"] >= navigation.solved_success_rate),
+            )
+        )
+    return pd.DataFrame(rows)
+
+
+def write_scores(curves: Path, out: Path, config: Config) -> None:
+    """Score the runs of a navigation_curves table. Raises TableError when a run is missing."""
+    frame = read_table("navigation_curves", curves)
+    check_runs(frame, config, str(curves))
+    write_table("navigation_scores", score_runs(frame, config), out, config)
+
+
+def summarise(scores: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """Mean, median and interquartile mean of every score, and the fractions of runs that reached the threshold and solved the task."""
+    rows = []
+    for action_space in config.navigation.action_spaces:
+        runs = scores[scores["action_space"] == action_space]
+        for measure in MEASURES:
+            found = summary(runs[measure].to_numpy(), generator(config.seed, "navigation", "summary", action_space, measure))
+            rows.append(dict(action_space=action_space, measure=measure, **found._asdict()))
+        for measure in ("reached", "solved"):
+            k, n = int(runs[measure].sum()), len(runs)
+            low, high = wilson_interval(k, n)
+            rows.append(dict(action_space=action_space, measure=measure, n=n, mean=k / n, mean_low=float(low), mean_high=float(high)))
+    return pd.DataFrame(rows)
+
+
+def write_summary(scores: Path, out: Path, config: Config) -> None:
+    write_table("navigation_summary", summarise(read_table("navigation_scores", scores), config), out, config)
