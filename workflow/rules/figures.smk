@@ -1,8 +1,19 @@
 # What people look at: one figure per module of its name, the animation, and the paper's claims beside ours.
 def figures():
-    """Every figure as PNG and PDF, and the animation."""
+    """Every figure as PNG and PDF, and the animations."""
     drawn = [DRAWN / f"{name}.{kind}" for name in FIGURES for kind in ("png", "pdf")]
-    return [*drawn, DRAWN / "flatland_experiment.gif"]
+    episodes = [
+        DRAWN / f"navigation_episode_{action_space}.gif"
+        for action_space in NAVIGATION.action_spaces
+    ]
+    return [*drawn, DRAWN / "flatland_experiment.gif", *episodes]
+
+
+CATEGORIES = {
+    "flatland": "Flatland",
+    "navigation": "Navigation",
+    "paper": "The paper's claims",
+}
 
 
 for figure, needed in FIGURES.items():
@@ -15,11 +26,7 @@ for figure, needed in FIGURES.items():
         output:
             png=report(
                 DRAWN / f"{figure}.png",
-                category=(
-                    "Flatland"
-                    if figure.startswith("flatland")
-                    else "The paper's claims"
-                ),
+                category=CATEGORIES[figure.split("_")[0]],
                 caption=f"../report/{figure}.rst",
                 labels={"figure": figure},
             ),
@@ -29,7 +36,9 @@ for figure, needed in FIGURES.items():
         params:
             figure=figure,
             tables=TABLES,
-            settings=digest(FLATLAND),
+            settings=digest(
+                FLATLAND, NAVIGATION if figure.startswith("navigation") else None
+            ),
         message:
             "drawing {params.figure}"
         shell:
@@ -52,6 +61,32 @@ rule animation:
         "animating one SC-experiment"
     shell:
         "sensory-commutativity animation --config {RESOLVED:q} --out {output:q} 2> {log:q}"
+
+
+rule navigation_episode:
+    input:
+        navigation_scores=TABLES / "navigation_scores.parquet",
+        models=lambda w: [
+            MODELS / "navigation" / f"{w.action_space}.{seed}.pt"
+            for seed in NAVIGATION.seeds
+        ],
+    output:
+        report(
+            DRAWN / "navigation_episode_{action_space}.gif",
+            category="Navigation",
+            caption="../report/navigation_episode.rst",
+            labels={"figure": "navigation_episode", "action space": "{action_space}"},
+        ),
+    log:
+        LOGS / "navigation_episode" / "{action_space}.log",
+    params:
+        models=MODELS / "navigation",
+        settings=training(),
+    message:
+        "animating an episode with the action space {wildcards.action_space}"
+    shell:
+        "sensory-commutativity navigation-episode --config {RESOLVED:q} --action-space {wildcards.action_space}"
+        " --navigation-scores {input.navigation_scores:q} --models {params.models:q} --out {output:q} 2> {log:q}"
 
 
 rule paper_comparison:

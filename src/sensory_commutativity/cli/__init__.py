@@ -44,6 +44,7 @@ for _command in (
     flatland.flatland_trends,
     navigation.navigation_action_spaces,
     navigation.navigation_curves,
+    navigation.navigation_episode,
     navigation.navigation_run,
     *navigation.FROM_TABLES,
     figures.paper_comparison,

@@ -80,3 +80,20 @@ FROM_TABLES = tuple(
         ("navigation_calibration", "navigation_scores", "navigation_power", "write_calibration", "How often do the tests err? (A/A)"),
     )
 )
+
+
+@click.command()
+@with_config
+@click.option("--action-space", required=True, help="One of navigation.action_spaces.")
+@table("navigation-scores")
+@click.option("--models", type=click.Path(path_type=Path), required=True, help="Folder of the trained policies.")
+@with_out
+def navigation_episode(config: Config, action_space: str, navigation_scores: Path, models: Path, out: Path) -> None:
+    """Animate an episode of the median run of an action space, as a GIF."""
+    from ..figures.navigation_episode import animate_episode
+
+    if action_space not in config.navigation.action_spaces:
+        raise click.BadParameter(
+            f"there is no action space {action_space!r}; choose one of {', '.join(config.navigation.action_spaces)}", param_hint="--action-space"
+        )
+    animate_episode(config, action_space, navigation_scores, models, out)

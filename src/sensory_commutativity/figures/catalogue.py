@@ -13,6 +13,13 @@ FIGURES: dict[str, tuple[str, ...]] = {
     "flatland_commutation": ("flatland_commutation",),
     "flatland_sensitivity": ("flatland_sensitivity",),
     "flatland_free_space": ("flatland_scp",),
+    "navigation_learning": ("navigation_curves", "navigation_checkpoints"),
+    "navigation_action_spaces": ("navigation_action_spaces",),
+    "navigation_scores": ("navigation_scores", "navigation_summary"),
+    "navigation_comparisons": ("navigation_comparisons",),
+    "navigation_survival": ("navigation_survival", "navigation_scores", "navigation_comparisons"),
+    "navigation_profiles": ("navigation_profiles",),
+    "navigation_power": ("navigation_power", "navigation_calibration", "navigation_comparisons"),
     "paper_comparison": ("paper_comparison",),
 }
 """Figure -> tables. A figure is drawn by the module of its name, which has a function ``draw(tables, config)`` that returns a matplotlib figure."""

@@ -38,6 +38,16 @@ DOF_COLOURS = {
 DOF_ORDER = ["base-longitudinal", "base-rotation", "left-shoulder", "right-shoulder", "left-elbow", "right-elbow", "head", "eyelid"]
 DOF_MARKERS = dict(zip(DOF_ORDER, "osv^<>DX", strict=True))
 
+SPACE_COLOURS = {"full": BLACK, "truncated": BLUE, "adapted": VERMILION, "random-half": GREEN, "inverse": PURPLE}
+SPACE_MARKERS = {"full": "o", "truncated": "s", "adapted": "^", "random-half": "D", "inverse": "v"}
+SPACE_LINES = {"full": "-", "truncated": "-", "adapted": "-", "random-half": "--", "inverse": ":"}
+MEASURE_LABELS = {
+    "final_return": "final return",
+    "auc": "mean return over the run",
+    "success_rate": "final success rate",
+    "steps_to_threshold": "steps to the threshold return (thousands)",
+}
+
 _RC = {
     "font.family": "DejaVu Sans",
     "font.size": 9,

@@ -1,0 +1,69 @@
+"""A trained agent at work, as a film: one evaluation episode from above, and what the eye sees."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import torch
+from matplotlib.animation import PillowWriter
+
+from ..config import Config
+from ..navigation.action_spaces import ScaledAction
+from ..navigation.from_config import evaluation_seeds, navigation_environment
+from ..navigation.training import policy_of_run
+from ..tables import read_table, written_whole
+from ..worlds.flatland.drawing import draw_room, draw_view
+
+FRAMES_PER_SECOND = 10
+HOLD = 15  # frames that the end stands still
+
+
+def typical_seed(scores: pd.DataFrame, action_space: str) -> int:
+    """The run in the middle: of all runs of the action space the one with the (lower) median area under its learning curve."""
+    runs = scores[scores["action_space"] == action_space].sort_values(["auc", "seed"])
+    return int(runs["seed"].iloc[(len(runs) - 1) // 2])
+
+
+def animate_episode(config: Config, action_space: str, scores: Path, models: Path, out: Path) -> None:
+    """Film the first evaluation episode of the typical run of an action space and save it as a GIF."""
+    seed = typical_seed(read_table("navigation_scores", scores), action_space)
+    model = torch.load(models / f"{action_space}.{seed}.pt", map_location="cpu", weights_only=True)
+    policy = policy_of_run(config, action_space, seed, model)
+    environment = navigation_environment(config)
+    wrapped = ScaledAction(environment, list(model["scales"].values()))
+    seen, _ = wrapped.reset(seed=evaluation_seeds(config)[0])
+    figure, (room, view) = plt.subplots(2, 1, figsize=(4.2, 4.9), height_ratios=[14, 1])
+    figure.subplots_adjust(left=0.03, right=0.97, bottom=0.03, top=0.88, hspace=0.14)
+    state, start, step, trail = None, np.ones(1, bool), 0, [environment.world.poses()[0, :2]]
+
+    def frame(said: str) -> None:
+        for panel in (room, view):
+            panel.clear()
+        draw_room(room, environment.world)
+        for zone in environment.zones:
+            room.text(zone.x, zone.y, f"{zone.reward:+g}", ha="center", va="center", fontsize=9, zorder=8)
+        room.plot(*np.array(trail).T, color="#333333", linewidth=1, linestyle=":", zorder=2)
+        draw_view(view, seen)
+        view.set_title("what the eye sees", fontsize=7, pad=2)
+        figure.suptitle(f"{action_space}, run {seed} (median): {said}", fontsize=10)
+
+    with written_whole(out) as temporary:
+        writer = PillowWriter(fps=FRAMES_PER_SECOND)
+        with writer.saving(figure, str(temporary), dpi=80):
+            frame("step 0")
+            writer.grab_frame()
+            ended = False
+            while not ended:
+                action, state = policy.predict(seen[None], state, start, deterministic=True)
+                start = np.zeros(1, bool)
+                seen, reward, terminated, truncated, _ = wrapped.step(action[0])
+                step, ended = step + 1, terminated or truncated
+                trail.append(environment.world.poses()[0, :2])
+                frame(f"step {step}, return {reward:+g}" if terminated else f"step {step}, out of time" if truncated else f"step {step}")
+                writer.grab_frame()
+            for _ in range(HOLD):
+                writer.grab_frame()
+    plt.close(figure)
