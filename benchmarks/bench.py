@@ -19,6 +19,7 @@ import numpy as np
 from sensory_commutativity.config import load
 from sensory_commutativity.seeding import generator
 from sensory_commutativity.stages.flatland_experiments import run_experiments
+from sensory_commutativity.worlds.flatland.agent import Polyphemus
 from sensory_commutativity.worlds.flatland.room import Room
 from sensory_commutativity.worlds.flatland.vector import FlatlandVectorEnv
 from sensory_commutativity.worlds.flatland.world import FlatlandWorld
@@ -80,12 +81,29 @@ def sc_experiments() -> float:
     return 40 * 8 / (time.perf_counter() - begin)
 
 
+def learning_steps() -> float:
+    """Environment steps per second of a training run, learning included: 32 rooms, all degrees of freedom, three rollouts of a fresh learner."""
+    import torch
+
+    from sensory_commutativity.navigation.training import learner_of_run
+
+    torch.set_num_threads(1)
+    config = load("config/default.yaml")
+    learner = learner_of_run(config, "full", 1000, {dof.name: 1.0 for dof in Polyphemus().dofs})
+    learner.env.seed(1)
+    n = 3 * config.navigation.learner.rollout
+    begin = time.perf_counter()
+    learner.learn(n)
+    return n / (time.perf_counter() - begin)
+
+
 MEASURES: tuple[tuple[str, Callable[[], float], float | None], ...] = (
     ("world: steps with observation / s (10 things)", world_steps, 30_000),
     ("world: the same from single Python calls / s", single_steps, None),
     ("vectorised environment: steps / s (32 rooms, resets)", vector_steps, 30_000),
     ("world: resets / s (10 things)", resets, None),
     ("SC-experiments / s (furnished room, 50 actions)", sc_experiments, None),
+    ("training run: steps / s, learning included (32 rooms)", learning_steps, 5_000),
 )
 
 

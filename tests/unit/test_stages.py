@@ -489,7 +489,17 @@ def as_the_paper_says(config) -> dict[str, pd.DataFrame]:
     excess = dict(zip(DOFS, [10.0, 60, 50, 5, 20, 30, 20, 30], strict=True))
     naive = dict(zip(DOFS, [10.0, 60, 50, 5, 20, 30, 20, 30], strict=True))
     alternatives = [("naive change", 8, 0.1, 0.1, 0.8), ("excess prediction error", 8, 0.2, 0.2, 0.7)]
+    summary = [(name, of, 4, 1.0, 0.5, 1.0, *[np.nan] * 6) for name in ("full", "truncated", "adapted") for of in ("reached", "solved")]
+    steps = ("steps_to_threshold",)
+    learned = [
+        ("paper", "truncated", "full", *steps, "Welch, against half of b", -9.0, 5.0, 1e-9, 1e-9, np.nan, 0.3, 0.4, "ratio", 0.35),
+        ("paper", "truncated", "full", *steps, "Welch", -9.0, 5.0, 1e-9, 1e-9, -9000.0, -10_000.0, -8000.0, "g", -3.0),
+        ("paper", "adapted", "full", *steps, "Welch", -9.0, 5.0, 1e-9, 1e-9, -5000.0, -6000.0, -4000.0, "g", -3.0),
+        ("paper", "truncated", "adapted", *steps, "Welch", -9.0, 5.0, 1e-9, 1e-9, -4000.0, -5000.0, -3000.0, "g", -3.0),
+    ]
     return {
+        "navigation_summary": pd.DataFrame(summary, columns=columns("navigation_summary")),
+        "navigation_comparisons": pd.DataFrame(learned, columns=columns("navigation_comparisons")),
         "flatland_scp": scp,
         "flatland_comparisons": pd.DataFrame(pairs, columns=columns("flatland_comparisons")),
         "flatland_trends": pd.DataFrame(trends, columns=columns("flatland_trends")),
@@ -506,11 +516,14 @@ def failing(tables: dict[str, pd.DataFrame], config) -> set[str]:
 def test_all_claims_hold_where_all_is_as_the_paper_says(tiny_config):
     claims = paper_comparison.compare_with_paper(as_the_paper_says(tiny_config), tiny_config)
     assert [claim.claim for claim in claims if not claim.holds] == []
-    assert len(claims) == len({claim.claim for claim in claims}) == 14
+    assert len(claims) == len({claim.claim for claim in claims}) == 18
     for claim in claims:
         assert claim.section and claim.paper_value and claim.our_value
         assert (claim.ci_low is None) == (claim.ci_high is None)
         assert claim.ci_low is None or claim.ci_low <= claim.ci_high
+
+
+TWICE = "SCP-truncated learns more than twice as fast as the full action space"
 
 
 def where(frame: pd.DataFrame, **values) -> np.ndarray:
@@ -548,6 +561,15 @@ def where(frame: pd.DataFrame, **values) -> np.ndarray:
         ("flatland_baselines", dict(dof="head"), dict(prediction_se=20.0), "head is harder to predict than base longitudinal"),
         ("flatland_baselines", dict(dof="head"), dict(excess_error=9.0), "head is harder to predict than base longitudinal"),
         ("flatland_baselines", dict(dof="base-rotation"), dict(excess_error=10.0), "base rotation is harder to predict than base longitudinal"),
+        ("navigation_summary", dict(action_space="full", measure="reached"), dict(mean=0.49), "every action space can solve the task"),
+        ("navigation_comparisons", dict(test="Welch, against half of b"), dict(ci_high=0.51), TWICE),
+        ("navigation_comparisons", dict(test="Welch, against half of b"), dict(p_adjusted=0.06), TWICE),
+        ("navigation_comparisons", dict(test="Welch, against half of b"), dict(statistic=9.0), TWICE),
+        (
+            "navigation_comparisons", dict(test="Welch", a="adapted"), dict(difference=100.0),
+            "SCP-adapted learns faster than the full action space",
+        ),
+        ("navigation_comparisons", dict(test="Welch", b="adapted"), dict(p_adjusted=0.06), "SCP-adapted learns slower than SCP-truncated"),
     ],
 )  # fmt: skip
 def test_a_claim_fails_where_it_does_not_hold(table, rows, change, fails, tiny_config):
@@ -564,5 +586,5 @@ def test_the_comparison_is_written(tiny_config, tmp_path):
         write_table(name, frame, tmp_path / f"{name}.parquet", tiny_config)
     paper_comparison.write_paper_comparison(tmp_path, tmp_path / "out.parquet", tiny_config)
     table = read_table("paper_comparison", tmp_path / "out.parquet")
-    assert len(table) == 14
+    assert len(table) == 18
     assert table["holds"].all()

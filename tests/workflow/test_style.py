@@ -18,6 +18,6 @@ def test_snakefmt_has_nothing_to_change() -> None:
 def test_every_figure_has_a_caption() -> None:
     from sensory_commutativity.figures.catalogue import FIGURES
 
-    for name in (*FIGURES, "flatland_experiment"):
+    for name in (*FIGURES, "flatland_experiment", "navigation_episode"):
         caption = ROOT / "workflow" / "report" / f"{name}.rst"
         assert len(caption.read_text()) > 100, f"{caption} says too little"

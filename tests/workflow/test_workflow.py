@@ -37,6 +37,10 @@ def test_it_makes_every_table_and_figure_and_nothing_half_done(finished: Path) -
     results = finished / "results" / "test"
     assert {p.stem for p in (results / "tables").iterdir()} == WRITTEN
     expected = {f"{name}.{kind}" for name in FIGURES for kind in ("png", "pdf")} | {"flatland_experiment.gif"}
+    expected |= {
+        f"navigation_episode_{name}.gif"
+        for name in load(finished / "config" / "default.yaml", finished / "config" / "test.yaml").navigation.action_spaces
+    }
     assert {p.name for p in (results / "figures").iterdir()} == expected
     assert not list(results.rglob(".*")), "temporary files or batches were left behind"
 
@@ -53,6 +57,9 @@ def test_tables_have_the_promised_rows(finished: Path) -> None:
     assert commutation.groupby("world").size().tolist() == [64, 64]
     baselines = read_table("flatland_baselines", tables / "flatland_baselines.parquet")
     assert baselines["excess_error"].min() == 0
+    curves = read_table("navigation_curves", tables / "navigation_curves.parquet")
+    navigation = config.navigation
+    assert len(curves) == len(navigation.runs) * navigation.checkpoints and not curves.duplicated(["action_space", "seed", "step"]).any()
 
 
 def test_tables_say_where_they_come_from(finished: Path) -> None:
@@ -79,6 +86,9 @@ def test_a_second_run_does_nothing(finished: Path) -> None:
         ("flatland: {rest_steps: 4}", {"flatland_experiments_part", "flatland_commutation_part"}, {"flatland_baselines_part"}),
         ("flatland: {thresholds: [0.0, 5.0]}", {"flatland_scp", "flatland_sensitivity"}, {"flatland_experiments_part", "flatland_commutation"}),
         ("flatland: {baselines: {epochs: 3}}", {"flatland_baselines_part"}, {"flatland_experiments_part", "flatland_scp"}),
+        ("navigation: {learner: {epochs: 3}}", {"navigation_run", "navigation_curves"}, {"flatland_scp", "navigation_action_spaces"}),
+        ("navigation: {threshold_return: 5.0}", {"navigation_scores"}, {"navigation_run", "navigation_curves"}),
+        ("navigation: {seeds: [0, 1, 2, 3, 4]}", {"navigation_run", "navigation_curves"}, {"flatland_scp"}),
     ],
 )
 def test_a_changed_setting_runs_what_depends_on_it_at_once_and_nothing_else(

@@ -98,7 +98,7 @@ rule paper_comparison:
         LOGS / "paper_comparison.log",
     params:
         tables=TABLES,
-        settings=digest(FLATLAND),
+        settings=digest(FLATLAND, NAVIGATION),
     message:
         "setting the paper's claims beside ours"
     shell:

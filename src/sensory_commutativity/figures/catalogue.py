@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-COMPARED = ("flatland_scp", "flatland_comparisons", "flatland_trends", "flatland_commutation", "flatland_baselines", "flatland_alternatives")
+COMPARED = (
+    "flatland_scp", "flatland_comparisons", "flatland_trends", "flatland_commutation", "flatland_baselines", "flatland_alternatives",
+    "navigation_summary", "navigation_comparisons",
+)  # fmt: skip
 """Tables that the table paper_comparison is made from."""
 
 FIGURES: dict[str, tuple[str, ...]] = {

@@ -1,4 +1,4 @@
-"""The paper's claims in two dimensions, each decided by a rule that was fixed before the run.
+"""The paper's claims, each decided by a rule that was fixed before the run; those about learning are in :mod:`.navigation_claims`.
 
 The paper prints its SCP values as bars only, so most claims are orders and equalities. The rules:
 
@@ -13,7 +13,6 @@ The paper prints its SCP values as bars only, so most claims are orders and equa
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -23,20 +22,12 @@ from ..config import Config
 from ..figures.catalogue import COMPARED
 from ..statistics.hierarchy import ALPHA, HIERARCHY, LEFT_AND_RIGHT, ordered_difference
 from ..tables import TABLES, read_table, write_table
+from .claims import Claim, p_of_claim
+from .navigation_claims import navigation_claims
 
 ALMOST = 0.9
 STILL = ("head", "eyelid")
 ARMS = ("left-shoulder", "right-shoulder", "left-elbow", "right-elbow")
-
-
-class Claim(NamedTuple):
-    claim: str
-    section: str
-    paper_value: str
-    our_value: str
-    ci_low: float | None
-    ci_high: float | None
-    holds: bool
 
 
 def compare_with_paper(tables: dict[str, pd.DataFrame], config: Config) -> list[Claim]:
@@ -55,6 +46,7 @@ def compare_with_paper(tables: dict[str, pd.DataFrame], config: Config) -> list[
         _philipona(tables["flatland_commutation"], reference.world, "where things move by themselves"),
         _philipona(tables["flatland_commutation"], config.flatland.commutation.settled_world, "where nothing moves by itself"),
         *_alternatives(tables["flatland_baselines"].set_index("dof"), tables["flatland_alternatives"].set_index("alternative")),
+        *navigation_claims(tables["navigation_summary"], tables["navigation_comparisons"], config),
     ]
 
 
@@ -78,12 +70,8 @@ def _step(name: str, steps: tuple[tuple[str, str], ...], pairs: pd.DataFrame) ->
     smallest = max(found, key=lambda f: f.difference)
     worst_p = max(f.p_adjusted for f in found)
     holds = all(f.difference < 0 and f.p_adjusted < ALPHA for f in found)
-    said = f"smallest difference {smallest.difference:+.4f}, largest {_p(worst_p)}"
+    said = f"smallest difference {smallest.difference:+.4f}, largest {p_of_claim(worst_p)}"
     return Claim(name, "III-C", "order", said, smallest.ci_low, smallest.ci_high, holds)
-
-
-def _p(p: float) -> str:
-    return f"p {p:.2g}" if p > 0 else "p < 1e-300"
 
 
 def _left_equals_right(pairs: pd.DataFrame) -> Claim:
@@ -111,7 +99,7 @@ def _appendix_b(scp: pd.DataFrame, trends: pd.DataFrame, config: Config) -> list
     ):
         rows = trends[(trends["trend"] == trend) & trends["dof"].isin(ARMS)]
         if len(rows):
-            said = f"smallest change {rows['effect'].max():+.4f}{unit}, largest {_p(rows['p_adjusted'].max())}"
+            said = f"smallest change {rows['effect'].max():+.4f}{unit}, largest {p_of_claim(rows['p_adjusted'].max())}"
             holds = bool(((rows["effect"] < 0) & (rows["p_adjusted"] < ALPHA)).all())
             claims.append(Claim(name, "App. B", "falls", said, None, None, holds))
     return claims
@@ -137,7 +125,7 @@ def _alternatives(baselines: pd.DataFrame, alternatives: pd.DataFrame) -> list[C
         difference = float(excess[dof] - excess[easy])
         spread = float(np.hypot(baselines.loc[dof, "prediction_se"], baselines.loc[easy, "prediction_se"]))
         p = float(2 * norm.sf(abs(difference) / spread))
-        said = f"excess error {excess[dof]:.0f} against {excess[easy]:.0f}, {_p(p)}; {order['excess prediction error']}"
+        said = f"excess error {excess[dof]:.0f} against {excess[easy]:.0f}, {p_of_claim(p)}; {order['excess prediction error']}"
         name = f"{dof.replace('-', ' ')} is harder to predict than base longitudinal"
         return Claim(name, "App. A", paper_value, said, None, None, difference > 0 and p < ALPHA)
 
