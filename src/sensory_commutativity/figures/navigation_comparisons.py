@@ -48,7 +48,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         papers = sum(family == "paper" for family, _, _ in order)
         if papers < len(order):
             axes.axhline(papers - 0.5, color=GREY, linewidth=0.6, linestyle=":")
-    names = [f"{a} - {b}" for _, a, b in order]
+    names = [f"{a} − {b}" for _, a, b in order]
     grid[0].set_yticks(np.arange(len(order)), names)
     figure.suptitle(
         f"Differences between action spaces, n = {len(config.navigation.seeds)} runs each: means, 95 % Welch intervals; right: bootstrap interval\n"

@@ -50,7 +50,7 @@ def _dots(axes: Axes, checkpoints: pd.DataFrame, config: Config, top: float, lin
         for _, row in rows.iterrows():
             better = a if row["difference"] > 0 else b
             axes.plot(row["step"] / 1000, y, marker=SPACE_MARKERS[better], markersize=4, color=SPACE_COLOURS[better])
-        axes.text(1.01, y, f"{a} - {b}", fontsize=7.5, va="center", transform=axes.get_yaxis_transform())
+        axes.text(1.01, y, f"{a} − {b}", fontsize=7.5, va="center", transform=axes.get_yaxis_transform())
 
 
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:

@@ -12,7 +12,7 @@ from ..config import Config
 from ..stages.navigation_comparisons import ALPHA, WELCH
 from ..stages.navigation_power import DETECTABLE, POWER, POWER_AT
 from ..statistics.power import power_of_t_test
-from .style import BLUE, GREY, ORANGE, SPACE_COLOURS
+from .style import BLUE, GREY, MEASURE_LABELS, ORANGE, SPACE_COLOURS
 
 _WIDEST = 2.5
 
@@ -29,7 +29,7 @@ def _power(axes: Axes, power: pd.DataFrame, comparisons: pd.DataFrame, n: int) -
             axes.plot([found["effect_size"]] * 2, [0, POWER], color=colour, linewidth=0.8, linestyle=":")
             axes.text(found["effect_size"], 0.02, f" {found['effect_size']:.2f}", fontsize=7.5, color=colour)
     welch = comparisons[(comparisons["test"] == WELCH) & (comparisons["family"] == "paper") & (comparisons["measure"] == "final_return")]
-    lines = [f"{row['a']} - {row['b']}: {abs(row['effect_size']):.2f}" for _, row in welch.iterrows()]
+    lines = [f"{row['a']} − {row['b']}: {abs(row['effect_size']):.2f}" for _, row in welch.iterrows()]
     axes.text(0.98, 0.06, "observed |g| (final return)\n" + "\n".join(lines), transform=axes.transAxes, fontsize=7.5, ha="right", va="bottom")
     axes.axhline(POWER, color=GREY, linewidth=0.8, linestyle=":")
     axes.set_ylim(0, 1.03)
@@ -49,7 +49,7 @@ def _calibration(axes: Axes, calibration: pd.DataFrame) -> None:
         axes.bar(places, rows["band_high"] - rows["band_low"], bottom=rows["band_low"], width=0.26, color=GREY, alpha=0.3)
         colours = [SPACE_COLOURS.get(space, BLUE) for space in spaces]
         axes.scatter(places, rows["rate"], color=colours, marker="os^v"[i], s=30, zorder=3)
-        axes.scatter([], [], color="#555555", marker="os^v"[i], label=measure.replace("_", " "))
+        axes.scatter([], [], color="#555555", marker="os^v"[i], label=MEASURE_LABELS[measure])
     axes.axhline(ALPHA, color="black", linewidth=0.8)
     splits = calibration.groupby("action_space", sort=False)["splits"].first()
     axes.set_xticks(range(len(spaces)), [f"{space}\n{splits[space]:,} splits" for space in spaces], fontsize=8)

@@ -37,10 +37,12 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
             axes.errorbar(i + 0.42, mean, yerr=[[mean - low], [high - mean]], fmt="D", color=colour, markersize=5, capsize=3, elinewidth=1.4)
         axes.set_xticks(range(len(navigation.action_spaces)), navigation.action_spaces, rotation=45, ha="right", rotation_mode="anchor")
         axes.set_ylabel(MEASURE_LABELS[measure])
-    solved = {name: int(scores.loc[scores["action_space"] == name, "solved"].sum()) for name in navigation.action_spaces}
-    grid[2].set_title("solved: " + ", ".join(f"{k}" for k in solved.values()) + f" of {len(navigation.seeds)}", fontsize=8.5)
+    for i, action_space in enumerate(navigation.action_spaces):
+        solved = int(scores.loc[scores["action_space"] == action_space, "solved"].sum())
+        grid[2].text(i, 1.01, f"{solved}/{len(navigation.seeds)}", transform=grid[2].get_xaxis_transform(), ha="center", fontsize=8)
+    grid[2].set_title("runs at or above the dotted line: solved", fontsize=8.5, pad=16)
     grid[2].axhline(navigation.solved_success_rate, color="#8A8A8A", linewidth=0.8, linestyle=":")
-    grid[3].set_title(f"threshold: a mean return of {navigation.threshold_return:g}", fontsize=8.5)
+    grid[3].set_title(f"threshold: a mean return of {navigation.threshold_return:g}", fontsize=8.5, pad=16)
     handles = [
         Line2D([], [], marker="o", color="#555555", alpha=0.6, linestyle="", label="a run"),
         Line2D([], [], marker="^", markerfacecolor="none", color="#555555", linestyle="", label="censored: not reached"),

@@ -30,7 +30,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         if censored:
             axes.plot(navigation.steps / 1000, end["survival"].iloc[-1], marker="|", markersize=10, color=colour, clip_on=False)
     ranked = tests[(tests["test"] == LOG_RANK) & (tests["family"] == "paper")]
-    said = "\n".join(f"{row['a']} - {row['b']}: {p_text(row['p_adjusted'])}" for _, row in ranked.iterrows())
+    said = "\n".join(f"{row['a']} − {row['b']}: {p_text(row['p_adjusted'])}" for _, row in ranked.iterrows())
     axes.text(1.02, 0.02, f"log-rank tests, Holm:\n{said}", transform=axes.transAxes, fontsize=8, va="bottom")
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axes.set_ylim(0, 1.02)
