@@ -5,6 +5,7 @@ from __future__ import annotations
 import torch
 from gymnasium import spaces
 from sb3_contrib import RecurrentPPO
+from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from torch import nn
 
@@ -47,7 +48,7 @@ class RoomPPO(RecurrentPPO):
 
 def make_learner(rooms: Rooms, settings: LearnerConfig, seed: int) -> RoomPPO:
     """A learner with fresh weights; `seed` in [0, 2**32) draws them."""
-    return RoomPPO(
+    learner = RoomPPO(
         RoomPolicy,
         rooms,
         n_steps=settings.rollout_steps,
@@ -71,3 +72,5 @@ def make_learner(rooms: Rooms, settings: LearnerConfig, seed: int) -> RoomPPO:
         seed=seed,
         device="cpu",
     )
+    learner.set_logger(Logger(folder=None, output_formats=[]))  # else every segment leaves a folder in the system's temporary one
+    return learner
