@@ -15,7 +15,7 @@ from sensory_commutativity.navigation import training
 from sensory_commutativity.navigation.action_spaces import ScaledAction
 from sensory_commutativity.navigation.checkpoints import Checkpoint, CheckpointError
 from sensory_commutativity.navigation.evaluation import evaluate
-from sensory_commutativity.navigation.from_config import evaluation_seeds, navigation_environment, navigation_rooms
+from sensory_commutativity.navigation.from_config import evaluation_seeds, measured_scp, navigation_environment, navigation_rooms, scales_of_run
 from sensory_commutativity.navigation.recurrent import RoomPolicy
 from sensory_commutativity.navigation.training import learner_of_run, policy_of_run, train
 from sensory_commutativity.stages.navigation_action_spaces import write_action_spaces
@@ -155,7 +155,7 @@ def restless(config):
 
 def test_evaluation_equals_episodes_played_one_by_one(config):
     policy, seeds = restless(config), evaluation_seeds(config)
-    rooms = navigation_rooms(config, len(seeds), np.array(list(SCALES.values())))
+    rooms = navigation_rooms(config, len(seeds), SCALES)
     found = evaluate(policy, rooms, seeds)
     expected = [by_hand(config, policy, SCALES, seed) for seed in seeds]
     assert found.returns.tolist() == [e[0] for e in expected]
@@ -176,7 +176,7 @@ def test_only_the_first_episode_of_a_room_counts(config):
     navigation = config.navigation.model_copy(update={"zones": zones, "max_episode_steps": 400})
     larger = config.model_copy(update={"navigation": navigation})
     policy, seeds = restless(larger), list(range(30))
-    found = evaluate(policy, navigation_rooms(larger, len(seeds), np.array(list(SCALES.values()))), seeds)
+    found = evaluate(policy, navigation_rooms(larger, len(seeds), SCALES), seeds)
     assert set(found.returns[found.terminated]) <= {50.0, -20.0} and (found.returns[~found.terminated] == 0).all()
     assert len(set(found.lengths)) > 3 and found.terminated.any()
     assert found.success_rate == (found.returns > 0).mean() and found.dead_rate == (found.returns < 0).mean()
@@ -236,7 +236,7 @@ def test_a_model_plays_as_the_learner_did(config, whole, tmp_path):
     model = torch.load(tmp_path / "model.pt", weights_only=True)
     policy = policy_of_run(config, "full", 0, model)
     seeds = evaluation_seeds(config)
-    found = evaluate(policy, navigation_rooms(config, len(seeds), np.array(list(SCALES.values()))), seeds)
+    found = evaluate(policy, navigation_rooms(config, len(seeds), SCALES), seeds)
     assert found.returns.mean() == whole[0]["episode_return"].iloc[-1]
     assert found.lengths.mean() == whole[0]["episode_length"].iloc[-1]
 
@@ -273,15 +273,17 @@ def test_a_checkpoint_of_other_settings_is_not_used_and_forgotten_at_the_end(tmp
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_run_is_written_with_its_model_and_leaves_no_checkpoint(config, tmp_path):
+@pytest.fixture
+def scp_file(config, tmp_path):
+    """A flatland_scp table whose first four degrees of freedom have the lowest SCPs."""
     scp = pd.DataFrame(dict(world="furnished", agent="sprinter", length=50, dof=DOFS, threshold=0.0, n=10, commuted=5, ci_low=0.0, ci_high=1.0))
-    scp = scp.assign(scp=[0.1 * i for i in range(8)])
-    write_table("flatland_scp", scp, tmp_path / "scp.parquet", config)
-    write_action_spaces(tmp_path / "scp.parquet", tmp_path / "spaces.parquet", config)
-    spaces = read_table("navigation_action_spaces", tmp_path / "spaces.parquet")
-    assert len(spaces) == 8 * len(config.navigation.runs)
+    write_table("flatland_scp", scp.assign(scp=[0.1 * i for i in range(8)]), tmp_path / "scp.parquet", config)
+    return tmp_path / "scp.parquet"
+
+
+def test_a_run_is_written_with_its_model_and_leaves_no_checkpoint(config, scp_file, tmp_path):
     out = tmp_path / "runs" / "truncated.2.parquet"
-    write_run(config, "truncated", 2, tmp_path / "spaces.parquet", out, tmp_path / "models" / "truncated.2.pt")
+    write_run(config, "truncated", 2, scp_file, out, tmp_path / "models" / "truncated.2.pt")
     assert [path.name for path in out.parent.iterdir()] == [out.name]
     model = torch.load(tmp_path / "models" / "truncated.2.pt", weights_only=True)
     assert list(model["scales"].values()) == [1.0] * 4 + [0.0] * 4
@@ -289,13 +291,20 @@ def test_a_run_is_written_with_its_model_and_leaves_no_checkpoint(config, tmp_pa
     assert curve["action_space"].unique().tolist() == ["truncated"] and curve["step"].tolist() == [256, 512]
 
 
-def test_a_damaged_checkpoint_stops_the_run_before_it_writes_anything(config, tmp_path, monkeypatch):
-    spaces = pd.DataFrame(dict(action_space="full", seed=0, dof=DOFS, scp=0.5, scale=1.0))
-    write_table("navigation_action_spaces", spaces, tmp_path / "spaces.parquet", config)
+def test_a_damaged_checkpoint_stops_the_run_before_it_writes_anything(config, scp_file, tmp_path, monkeypatch):
     monkeypatch.setattr(Checkpoint, "save", lambda self, state: (self.path.write_bytes(b"half"), (_ for _ in ()).throw(KeyboardInterrupt)))
     out = tmp_path / "full.0.parquet"
     with pytest.raises(KeyboardInterrupt):
-        write_run(config, "full", 0, tmp_path / "spaces.parquet", out, tmp_path / "full.0.pt")
+        write_run(config, "full", 0, scp_file, out, tmp_path / "full.0.pt")
     with pytest.raises(CheckpointError):
-        write_run(config, "full", 0, tmp_path / "spaces.parquet", out, tmp_path / "full.0.pt")
+        write_run(config, "full", 0, scp_file, out, tmp_path / "full.0.pt")
     assert not out.exists() and not (tmp_path / "full.0.pt").exists()
+
+
+def test_the_table_of_action_spaces_says_what_the_runs_do(config, scp_file, tmp_path):
+    write_action_spaces(scp_file, tmp_path / "spaces.parquet", config)
+    table = read_table("navigation_action_spaces", tmp_path / "spaces.parquet")
+    assert len(table) == 8 * len(config.navigation.runs)
+    scp = measured_scp(config, read_table("flatland_scp", scp_file))
+    for (space, seed), rows in table.groupby(["action_space", "seed"]):
+        assert dict(zip(rows["dof"], rows["scale"], strict=True)) == scales_of_run(config, scp, space, seed)

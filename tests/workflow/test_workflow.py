@@ -106,6 +106,17 @@ def test_a_changed_setting_runs_what_depends_on_it_at_once_and_nothing_else(
     assert not kept & planned
 
 
+def test_a_further_seed_trains_that_seed_only(finished: Path, tmp_path: Path) -> None:
+    file = tmp_path / "overlay.yaml"
+    file.write_text("navigation: {seeds: [0, 1, 2, 3, 77]}")
+    run = subprocess.run(
+        [str(Path(sys.executable).parent / "snakemake"), "--configfile", "config/test.yaml", str(file), "--cores", "1", "--dry-run"],
+        cwd=finished, env=ENVIRONMENT, capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    assert re.findall(r"^navigation_run +(\d+)$", run.stdout, re.MULTILINE)[0] == "4"  # one for each action space
+
+
 def test_the_report_can_be_made(finished: Path) -> None:
     run = snakemake(finished, "--report", "report.html")
     assert run.returncode == 0, run.stderr

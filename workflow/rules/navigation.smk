@@ -8,6 +8,9 @@ def task(*more):
         FLATLAND.agents[NAVIGATION.agent],
         NAVIGATION.zones,
         NAVIGATION.max_episode_steps,
+        NAVIGATION.scp_world,
+        NAVIGATION.agent,
+        FLATLAND.sequence_length,
         *more,
     )
 
@@ -45,7 +48,7 @@ rule navigation_action_spaces:
 
 rule navigation_run:
     input:
-        navigation_action_spaces=TABLES / "navigation_action_spaces.parquet",
+        flatland_scp=TABLES / "flatland_scp.parquet",  # not the table of action spaces: a further seed trains that seed only
     output:
         curve=DATA / "navigation_runs" / "{action_space}.{seed}.parquet",
         model=MODELS / "navigation" / "{action_space}.{seed}.pt",
@@ -62,7 +65,7 @@ rule navigation_run:
         "training with the action space {wildcards.action_space}, seed {wildcards.seed}"
     shell:
         "sensory-commutativity navigation-run --config {RESOLVED:q} --action-space {wildcards.action_space} --seed {wildcards.seed}"
-        " --navigation-action-spaces {input.navigation_action_spaces:q} --model {output.model:q} --out {output.curve:q} 2> {log:q}"
+        " --flatland-scp {input.flatland_scp:q} --model {output.model:q} --out {output.curve:q} 2> {log:q}"
 
 
 rule navigation_curves:

@@ -26,10 +26,10 @@ def navigation_action_spaces(config: Config, flatland_scp: Path, out: Path) -> N
 @with_config
 @click.option("--action-space", required=True, help="One of navigation.action_spaces.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="One of navigation.seeds.")
-@table("navigation-action-spaces")
+@table("flatland-scp")
 @click.option("--model", type=click.Path(dir_okay=False, path_type=Path), required=True, help="File for the trained policy.")
 @with_out
-def navigation_run(config: Config, action_space: str, seed: int, navigation_action_spaces: Path, model: Path, out: Path) -> None:
+def navigation_run(config: Config, action_space: str, seed: int, flatland_scp: Path, model: Path, out: Path) -> None:
     """Train one agent, or go on where a killed run stopped; write its learning curve."""
     from ..stages.navigation_curves import write_run
 
@@ -39,7 +39,7 @@ def navigation_run(config: Config, action_space: str, seed: int, navigation_acti
             f"the configuration has no run of action space {action_space!r} with seed {seed}; it has {', '.join(navigation.action_spaces)}, "
             f"each with the {len(navigation.seeds)} seeds {navigation.seeds[0]} to {navigation.seeds[-1]}"
         )
-    write_run(config, action_space, seed, navigation_action_spaces, out, model)
+    write_run(config, action_space, seed, flatland_scp, out, model)
 
 
 @click.command()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Mapping
+
 import pandas as pd
 from gymnasium.vector import AutoresetMode
 
@@ -29,11 +30,14 @@ def navigation_environment(config: Config, render_mode: str | None = None) -> Na
     return NavigationEnv(room, zones, agent, config.navigation.max_episode_steps, render_mode)
 
 
-def navigation_rooms(config: Config, n: int, scales: np.ndarray) -> ScaledActions:
-    """The task in `n` rooms with scaled actions; an ended episode is reset in the same step."""
+def navigation_rooms(config: Config, n: int, scales: Mapping[str, float]) -> ScaledActions:
+    """The task in `n` rooms; `scales` (degree of freedom -> scale, in the order of the actions) make the action space.
+
+    An ended episode is reset in the same step.
+    """
     room, zones, agent = task_parts(config)
     rooms = NavigationVectorEnv(n, room, zones, agent, config.navigation.max_episode_steps, AutoresetMode.SAME_STEP)
-    return ScaledActions(rooms, scales)
+    return ScaledActions(rooms, list(scales.values()))
 
 
 def measured_scp(config: Config, scp_table: pd.DataFrame) -> dict[str, float]:

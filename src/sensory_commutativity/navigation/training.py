@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import torch
 from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
@@ -27,7 +26,7 @@ from .rooms import Rooms
 def learner_of_run(config: Config, action_space: str, seed: int, scales: dict[str, float]) -> RoomPPO:
     """The learner of a run before its first step."""
     settings = config.navigation.learner
-    rooms = navigation_rooms(config, settings.rooms, np.array(list(scales.values())))
+    rooms = navigation_rooms(config, settings.rooms, scales)
     return make_learner(Rooms(rooms, settings.reward_scale), settings, seed_for(config.seed, "navigation", action_space, seed) % 2**32)
 
 
@@ -59,8 +58,9 @@ def train(config: Config, action_space: str, seed: int, scales: dict[str, float]
     """
     torch.set_num_threads(1)
     navigation = config.navigation
+    length = navigation.steps // navigation.checkpoints
     seeds = evaluation_seeds(config)
-    arena = navigation_rooms(config, len(seeds), np.array(list(scales.values())))
+    arena = navigation_rooms(config, len(seeds), scales)
     learner = learner_of_run(config, action_space, seed, scales)
     curve: list[dict[str, float]] = []
     saved = checkpoint.load()
@@ -72,11 +72,11 @@ def train(config: Config, action_space: str, seed: int, scales: dict[str, float]
         start = seed_for(config.seed, "navigation", action_space, seed, segment)
         set_random_seed(start % 2**32)
         learner.env.seed(start % 2**32)
-        learner.learn(navigation.steps // navigation.checkpoints)
+        learner.learn(length)
         episodes = evaluate(learner.policy, arena, seeds)
         curve.append(
             dict(
-                step=(segment + 1) * (navigation.steps // navigation.checkpoints),
+                step=(segment + 1) * length,
                 episode_return=float(episodes.returns.mean()),
                 success_rate=episodes.success_rate,
                 dead_rate=episodes.dead_rate,

@@ -7,7 +7,6 @@ from pathlib import Path
 import pandas as pd
 
 from ..config import Config
-from ..errors import TableError
 from ..navigation.from_config import measured_scp, scales_of_run
 from ..tables import read_table, write_table
 
@@ -23,12 +22,3 @@ def write_action_spaces(flatland_scp: Path, out: Path, config: Config) -> None:
         for dof, scale in scales_of_run(config, scp, action_space, seed).items()
     ]
     write_table(TABLE, pd.DataFrame(rows, columns=["action_space", "seed", "dof", "scp", "scale"]), out, config)
-
-
-def read_scales(path: Path, action_space: str, seed: int) -> dict[str, float]:
-    """Degree of freedom -> scale of one run, in the order of the actions."""
-    table = read_table(TABLE, path)
-    rows = table[(table["action_space"] == action_space) & (table["seed"] == seed)]
-    if rows.empty or rows["dof"].duplicated().any():
-        raise TableError(f"{path}: not one row per degree of freedom of {action_space}, seed {seed}; make the table anew with this configuration")
-    return dict(zip(rows["dof"], rows["scale"], strict=True))

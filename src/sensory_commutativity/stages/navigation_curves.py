@@ -15,15 +15,15 @@ from ..tables import read_table, write_table, written_whole
 TABLE = "navigation_curves"
 
 
-def write_run(config: Config, action_space: str, seed: int, action_spaces: Path, out: Path, model: Path) -> None:
+def write_run(config: Config, action_space: str, seed: int, flatland_scp: Path, out: Path, model: Path) -> None:
     """Train one run, or go on with it where it was killed, and write its curve and its model."""
     import torch
 
     from ..navigation.checkpoints import Checkpoint
+    from ..navigation.from_config import measured_scp, scales_of_run
     from ..navigation.training import train
-    from .navigation_action_spaces import read_scales
 
-    scales = read_scales(action_spaces, action_space, seed)
+    scales = scales_of_run(config, measured_scp(config, read_table("flatland_scp", flatland_scp)), action_space, seed)
     checkpoint = Checkpoint(out, _settings(config, scales))
     curve, trained = train(config, action_space, seed, scales, checkpoint)
     with written_whole(model) as temporary:
