@@ -11,7 +11,10 @@ from pathlib import Path
 
 from .config import Config
 
-PACKAGES = ("sensory-commutativity", "numpy", "pymunk", "numba", "scipy", "statsmodels", "torch", "pandas", "pyarrow")
+PACKAGES = (
+    "sensory-commutativity", "numpy", "pymunk", "numba", "scipy", "statsmodels", "torch", "pandas", "pyarrow",
+    "gymnasium", "stable-baselines3", "sb3-contrib",
+)  # fmt: skip
 
 
 @lru_cache
@@ -31,14 +34,20 @@ def _git_commit() -> str:
         return "unknown"
 
 
-def provenance(config: Config) -> dict[str, str]:
-    """Config hash, root seed, git commit, platform and package versions; of the run that wrote a table."""
+@lru_cache
+def package_versions() -> dict[str, str]:
+    """Version of each of PACKAGES; ``absent`` where one is not installed."""
     versions = {}
     for package in PACKAGES:
         try:
             versions[package] = importlib.metadata.version(package)
         except importlib.metadata.PackageNotFoundError:
             versions[package] = "absent"
+    return versions
+
+
+def provenance(config: Config) -> dict[str, str]:
+    """Config hash, root seed, git commit, platform and package versions; of the run that wrote a table."""
     return {
         "profile": config.profile,
         "config_sha256": config.digest(),
@@ -46,5 +55,5 @@ def provenance(config: Config) -> dict[str, str]:
         "git_commit": _git_commit(),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
-        "packages": json.dumps(versions, sort_keys=True),
+        "packages": json.dumps(package_versions(), sort_keys=True),
     }

@@ -135,6 +135,7 @@ TABLES: dict[str, tuple[Column, ...]] = {
         Column("kendall", _FLOAT, "1", "Kendall's tau-b with 1 - SCP"),
         Column("p", _FLOAT, "1", "two-sided p-value of Spearman's coefficient, permutation test"),
     ),
+    "navigation_scp": _SCP,
     "navigation_action_spaces": (
         *_RUN,
         Column("dof", _TEXT, "", "degree of freedom"),

@@ -280,7 +280,7 @@ def test_all_profiles_agree_with_the_checks():
 
 @pytest.mark.parametrize("arguments", [["--action-space", "short", "--seed", "0"], ["--action-space", "full", "--seed", "7"]])
 def test_an_unknown_run_is_refused_before_it_begins(arguments, tmp_path):
-    files = ["--flatland-scp", "none.parquet", "--model", str(tmp_path / "m.pt"), "--out", str(tmp_path / "o.parquet")]
+    files = ["--navigation-scp", "none.parquet", "--model", str(tmp_path / "m.pt"), "--out", str(tmp_path / "o.parquet")]
     found = CliRunner().invoke(main, ["navigation-run", "--config", str(DEFAULT), *arguments, *files])
     assert found.exit_code == 2 and "full, truncated, adapted" in found.output
     assert not list(tmp_path.iterdir())

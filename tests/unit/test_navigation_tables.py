@@ -443,7 +443,7 @@ def cli_run(monkeypatch, capsys, tmp_path):
     return call
 
 
-RUN = ("navigation-run", "--config", DEFAULT, "--flatland-scp", "scp.parquet", "--model", "m.pt", "--out", "o.parquet")
+RUN = ("navigation-run", "--config", DEFAULT, "--navigation-scp", "scp.parquet", "--model", "m.pt", "--out", "o.parquet")
 
 
 @pytest.mark.parametrize(

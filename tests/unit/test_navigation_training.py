@@ -13,7 +13,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from sensory_commutativity.config import load
 from sensory_commutativity.navigation import training
 from sensory_commutativity.navigation.action_spaces import ScaledAction
-from sensory_commutativity.navigation.checkpoints import Checkpoint, CheckpointError
+from sensory_commutativity.navigation.checkpoints import Checkpoint, CheckpointError, load_state, save_state
 from sensory_commutativity.navigation.evaluation import evaluate
 from sensory_commutativity.navigation.from_config import evaluation_seeds, measured_scp, navigation_environment, navigation_rooms, scales_of_run
 from sensory_commutativity.navigation.recurrent import RoomPolicy
@@ -232,9 +232,8 @@ def test_a_killed_run_goes_on_as_if_it_had_not_been_killed(config, whole, tmp_pa
 
 
 def test_a_model_plays_as_the_learner_did(config, whole, tmp_path):
-    torch.save(whole[1], tmp_path / "model.pt")
-    model = torch.load(tmp_path / "model.pt", weights_only=True)
-    policy = policy_of_run(config, "full", 0, model)
+    save_state(tmp_path / "full.0.policy", whole[1])
+    policy = policy_of_run(config, load_state(tmp_path / "full.0.policy", ""), "full.0.policy")
     seeds = evaluation_seeds(config)
     found = evaluate(policy, navigation_rooms(config, len(seeds), SCALES), seeds)
     assert found.returns.mean() == whole[0]["episode_return"].iloc[-1]
@@ -275,17 +274,17 @@ def test_a_checkpoint_of_other_settings_is_not_used_and_forgotten_at_the_end(tmp
 
 @pytest.fixture
 def scp_file(config, tmp_path):
-    """A flatland_scp table whose first four degrees of freedom have the lowest SCPs."""
+    """A navigation_scp table whose first four degrees of freedom have the lowest SCPs."""
     scp = pd.DataFrame(dict(world="furnished", agent="sprinter", length=50, dof=DOFS, threshold=0.0, n=10, commuted=5, ci_low=0.0, ci_high=1.0))
-    write_table("flatland_scp", scp.assign(scp=[0.1 * i for i in range(8)]), tmp_path / "scp.parquet", config)
+    write_table("navigation_scp", scp.assign(scp=[0.1 * i for i in range(8)]), tmp_path / "scp.parquet", config)
     return tmp_path / "scp.parquet"
 
 
 def test_a_run_is_written_with_its_model_and_leaves_no_checkpoint(config, scp_file, tmp_path):
     out = tmp_path / "runs" / "truncated.2.parquet"
-    write_run(config, "truncated", 2, scp_file, out, tmp_path / "models" / "truncated.2.pt")
+    write_run(config, "truncated", 2, scp_file, out, tmp_path / "models" / "truncated.2.policy")
     assert [path.name for path in out.parent.iterdir()] == [out.name]
-    model = torch.load(tmp_path / "models" / "truncated.2.pt", weights_only=True)
+    model = load_state(tmp_path / "models" / "truncated.2.policy", "")
     assert list(model["scales"].values()) == [1.0] * 4 + [0.0] * 4
     curve = read_table("navigation_curves", out)
     assert curve["action_space"].unique().tolist() == ["truncated"] and curve["step"].tolist() == [256, 512]
@@ -295,16 +294,16 @@ def test_a_damaged_checkpoint_stops_the_run_before_it_writes_anything(config, sc
     monkeypatch.setattr(Checkpoint, "save", lambda self, state: (self.path.write_bytes(b"half"), (_ for _ in ()).throw(KeyboardInterrupt)))
     out = tmp_path / "full.0.parquet"
     with pytest.raises(KeyboardInterrupt):
-        write_run(config, "full", 0, scp_file, out, tmp_path / "full.0.pt")
+        write_run(config, "full", 0, scp_file, out, tmp_path / "full.0.policy")
     with pytest.raises(CheckpointError):
-        write_run(config, "full", 0, scp_file, out, tmp_path / "full.0.pt")
-    assert not out.exists() and not (tmp_path / "full.0.pt").exists()
+        write_run(config, "full", 0, scp_file, out, tmp_path / "full.0.policy")
+    assert not out.exists() and not (tmp_path / "full.0.policy").exists()
 
 
 def test_the_table_of_action_spaces_says_what_the_runs_do(config, scp_file, tmp_path):
     write_action_spaces(scp_file, tmp_path / "spaces.parquet", config)
     table = read_table("navigation_action_spaces", tmp_path / "spaces.parquet")
     assert len(table) == 8 * len(config.navigation.runs)
-    scp = measured_scp(config, read_table("flatland_scp", scp_file))
+    scp = measured_scp(config, read_table("navigation_scp", scp_file))
     for (space, seed), rows in table.groupby(["action_space", "seed"]):
         assert dict(zip(rows["dof"], rows["scale"], strict=True)) == scales_of_run(config, scp, space, seed)

@@ -88,7 +88,7 @@ def test_a_second_run_does_nothing(finished: Path) -> None:
         ("flatland: {baselines: {epochs: 3}}", {"flatland_baselines_part"}, {"flatland_experiments_part", "flatland_scp"}),
         ("navigation: {learner: {epochs: 3}}", {"navigation_run", "navigation_curves"}, {"flatland_scp", "navigation_action_spaces"}),
         ("navigation: {threshold_return: 5.0}", {"navigation_scores"}, {"navigation_run", "navigation_curves"}),
-        ("navigation: {seeds: [0, 1, 2, 3, 4]}", {"navigation_run", "navigation_curves"}, {"flatland_scp"}),
+        ("navigation: {seeds: [2000, 2001, 2002, 2003, 4]}", {"navigation_run", "navigation_curves"}, {"flatland_scp"}),
     ],
 )
 def test_a_changed_setting_runs_what_depends_on_it_at_once_and_nothing_else(
@@ -108,7 +108,7 @@ def test_a_changed_setting_runs_what_depends_on_it_at_once_and_nothing_else(
 
 def test_a_further_seed_trains_that_seed_only(finished: Path, tmp_path: Path) -> None:
     file = tmp_path / "overlay.yaml"
-    file.write_text("navigation: {seeds: [0, 1, 2, 3, 77]}")
+    file.write_text("navigation: {seeds: [2000, 2001, 2002, 2003, 77]}")
     run = subprocess.run(
         [str(Path(sys.executable).parent / "snakemake"), "--configfile", "config/test.yaml", str(file), "--cores", "1", "--dry-run"],
         cwd=finished, env=ENVIRONMENT, capture_output=True, text=True, timeout=300,

@@ -67,7 +67,7 @@ rule navigation_episode:
     input:
         navigation_scores=TABLES / "navigation_scores.parquet",
         models=lambda w: [
-            MODELS / "navigation" / f"{w.action_space}.{seed}.pt"
+            MODELS / "navigation" / f"{w.action_space}.{seed}.policy"
             for seed in NAVIGATION.seeds
         ],
     output:

@@ -14,13 +14,14 @@ def reference(*more):
     )
 
 
-def experiment_parts(wildcards):
+def experiment_parts(*names):
+    """Files of the SC-experiments of some runs, or of all."""
     return [
         DATA
         / "flatland_experiments"
-        / f"{name}.{i + 1}-of-{FLATLAND.n_jobs(run.experiments)}.parquet"
-        for name, run in RUNS.items()
-        for i in range(FLATLAND.n_jobs(run.experiments))
+        / f"{name}.{i + 1}-of-{FLATLAND.n_jobs(RUNS[name].experiments)}.parquet"
+        for name in names or RUNS
+        for i in range(FLATLAND.n_jobs(RUNS[name].experiments))
     ]
 
 
@@ -66,7 +67,7 @@ rule flatland_experiments_part:
 
 rule flatland_experiments:
     input:
-        parts=experiment_parts,
+        parts=experiment_parts(),
     output:
         TABLES / "flatland_experiments.parquet",
     log:

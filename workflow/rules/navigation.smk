@@ -25,9 +25,25 @@ def training():
     )
 
 
+rule navigation_scp:
+    input:
+        # these rows of flatland_scp from their own experiments: no setting of another agent or world trains all runs anew
+        parts=experiment_parts(
+            f"{NAVIGATION.scp_world}.{NAVIGATION.agent}.{FLATLAND.sequence_length}"
+        ),
+    output:
+        TABLES / "navigation_scp.parquet",
+    log:
+        LOGS / "navigation_scp.log",
+    message:
+        "estimating the SCP that the action spaces are made from"
+    shell:
+        "sensory-commutativity navigation-scp --config {RESOLVED:q} --out {output:q} {input.parts:q} 2> {log:q}"
+
+
 rule navigation_action_spaces:
     input:
-        flatland_scp=TABLES / "flatland_scp.parquet",
+        navigation_scp=TABLES / "navigation_scp.parquet",
     output:
         TABLES / "navigation_action_spaces.parquet",
     log:
@@ -43,15 +59,15 @@ rule navigation_action_spaces:
     message:
         "making action spaces from the measured SCPs"
     shell:
-        "sensory-commutativity navigation-action-spaces --config {RESOLVED:q} --flatland-scp {input.flatland_scp:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity navigation-action-spaces --config {RESOLVED:q} --navigation-scp {input.navigation_scp:q} --out {output:q} 2> {log:q}"
 
 
 rule navigation_run:
     input:
-        flatland_scp=TABLES / "flatland_scp.parquet",  # not the table of action spaces: a further seed trains that seed only
+        navigation_scp=TABLES / "navigation_scp.parquet",  # not the table of action spaces: a further seed trains that seed only
     output:
         curve=DATA / "navigation_runs" / "{action_space}.{seed}.parquet",
-        model=MODELS / "navigation" / "{action_space}.{seed}.pt",
+        model=MODELS / "navigation" / "{action_space}.{seed}.policy",
     log:
         LOGS / "navigation_run" / "{action_space}.{seed}.log",
     benchmark:
@@ -65,7 +81,7 @@ rule navigation_run:
         "training with the action space {wildcards.action_space}, seed {wildcards.seed}"
     shell:
         "sensory-commutativity navigation-run --config {RESOLVED:q} --action-space {wildcards.action_space} --seed {wildcards.seed}"
-        " --flatland-scp {input.flatland_scp:q} --model {output.model:q} --out {output.curve:q} 2> {log:q}"
+        " --navigation-scp {input.navigation_scp:q} --model {output.model:q} --out {output.curve:q} 2> {log:q}"
 
 
 rule navigation_curves:

@@ -46,6 +46,7 @@ for _command in (
     navigation.navigation_curves,
     navigation.navigation_episode,
     navigation.navigation_run,
+    navigation.navigation_scp,
     *navigation.FROM_TABLES,
     figures.paper_comparison,
     settings.resolve,

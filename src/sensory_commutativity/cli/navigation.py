@@ -13,23 +13,34 @@ from .common import table, with_config, with_out, with_parts
 
 @click.command()
 @with_config
-@table("flatland-scp")
+@with_parts
 @with_out
-def navigation_action_spaces(config: Config, flatland_scp: Path, out: Path) -> None:
+def navigation_scp(config: Config, parts: tuple[Path, ...], out: Path) -> None:
+    """Estimate the SCP of the agent that learns from PARTS of its SC-experiments."""
+    from ..stages.navigation_scp import write_navigation_scp
+
+    write_navigation_scp(list(parts), out, config)
+
+
+@click.command()
+@with_config
+@table("navigation-scp")
+@with_out
+def navigation_action_spaces(config: Config, navigation_scp: Path, out: Path) -> None:
     """Make the action spaces of all training runs from the measured SCPs."""
     from ..stages.navigation_action_spaces import write_action_spaces
 
-    write_action_spaces(flatland_scp, out, config)
+    write_action_spaces(navigation_scp, out, config)
 
 
 @click.command()
 @with_config
 @click.option("--action-space", required=True, help="One of navigation.action_spaces.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="One of navigation.seeds.")
-@table("flatland-scp")
+@table("navigation-scp")
 @click.option("--model", type=click.Path(dir_okay=False, path_type=Path), required=True, help="File for the trained policy.")
 @with_out
-def navigation_run(config: Config, action_space: str, seed: int, flatland_scp: Path, model: Path, out: Path) -> None:
+def navigation_run(config: Config, action_space: str, seed: int, navigation_scp: Path, model: Path, out: Path) -> None:
     """Train one agent, or go on where a killed run stopped; write its learning curve."""
     from ..stages.navigation_curves import write_run
 
@@ -37,9 +48,9 @@ def navigation_run(config: Config, action_space: str, seed: int, flatland_scp: P
         navigation = config.navigation
         raise click.UsageError(
             f"the configuration has no run of action space {action_space!r} with seed {seed}; it has {', '.join(navigation.action_spaces)}, "
-            f"each with the {len(navigation.seeds)} seeds {navigation.seeds[0]} to {navigation.seeds[-1]}"
+            f"each with {len(navigation.seeds)} seeds between {min(navigation.seeds)} and {max(navigation.seeds)}"
         )
-    write_run(config, action_space, seed, flatland_scp, out, model)
+    write_run(config, action_space, seed, navigation_scp, out, model)
 
 
 @click.command()

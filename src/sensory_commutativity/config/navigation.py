@@ -11,6 +11,7 @@ from .section import Name, Section
 
 ActionSpace = Literal["full", "truncated", "adapted", "random-half", "inverse"]
 PAPER_SPACES = ("full", "truncated", "adapted")
+Measure = Literal["final_return", "auc", "success_rate", "steps_to_threshold"]
 
 
 class ZoneConfig(Section):
@@ -20,6 +21,12 @@ class ZoneConfig(Section):
     y: float = Field(ge=0, le=5000, description="Middle, units.")
     radius: float = Field(gt=0, le=1000, description="Units.")
     reward: float = Field(ge=-1000, le=1000, description="Above 0 for the goal (paper: 50), below 0 for a dead zone (paper: -20).")
+
+    @model_validator(mode="after")
+    def _is_good_or_bad(self) -> ZoneConfig:
+        if self.reward == 0:
+            raise ValueError("a zone's reward must be above 0 (goal) or below 0 (dead zone), not 0")
+        return self
 
 
 class LearnerConfig(Section):
@@ -73,6 +80,8 @@ class NavigationConfig(Section):
     evaluation_episodes: int = Field(ge=2, le=100_000, description="Deterministic episodes of an evaluation; the same starts for every run.")
     threshold_return: float = Field(25.0, description="A run has learned the task at its first evaluation with this mean return.")
     solved_success_rate: float = Field(0.9, gt=0, le=1, description="A run has solved the task if its last evaluation reaches the goal so often.")
+    primary_measure: Measure = Field("final_return", description="The score that decides; a key of the table navigation_scores.")
+    alpha: float = Field(0.05, gt=0, lt=0.5, description="Level of the tests, for each family of pairs together.")
     calibration_splits: int = Field(2000, ge=10, le=1_000_000, description="Random halves of one action space's runs that are compared (A/A).")
     learner: LearnerConfig = Field(default_factory=LearnerConfig)
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
-import torch
 from matplotlib.animation import PillowWriter
 
 from ..config import Config
 from ..navigation.action_spaces import ScaledAction
+from ..navigation.checkpoints import load_state
 from ..navigation.from_config import evaluation_seeds, navigation_environment
 from ..navigation.training import policy_of_run
 from ..tables import read_table, written_whole
@@ -30,8 +30,9 @@ def typical_seed(scores: pd.DataFrame, action_space: str) -> int:
 def animate_episode(config: Config, action_space: str, scores: Path, models: Path, out: Path) -> None:
     """Film the first evaluation episode of the typical run of an action space and save it as a GIF."""
     seed = typical_seed(read_table("navigation_scores", scores), action_space)
-    model = torch.load(models / f"{action_space}.{seed}.pt", map_location="cpu", weights_only=True)
-    policy = policy_of_run(config, action_space, seed, model)
+    path = models / f"{action_space}.{seed}.policy"
+    model = load_state(path, "run the workflow")
+    policy = policy_of_run(config, model, str(path))
     environment = navigation_environment(config)
     wrapped = ScaledAction(environment, list(model["scales"].values()))
     seen, _ = wrapped.reset(seed=evaluation_seeds(config)[0])

@@ -75,7 +75,6 @@ ACTION_SPACES: dict[str, Callable[[Scp, np.random.Generator | None], dict[str, f
     "random-half": random_half,
     "inverse": inverse,
 }
-PAPER = ("full", "truncated", "adapted")
 
 
 def action_scales(action_space: str, scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
@@ -96,7 +95,7 @@ def action_scales(action_space: str, scp: Scp, rng: np.random.Generator | None =
 
 
 def scp_of(table: pd.DataFrame, dofs: Sequence[str], world: str, agent: str, length: int, threshold: float = 0.0) -> dict[str, float]:
-    """The SCPs that a flatland_scp table holds of an agent in a world, in the order of `dofs`. Raises ScpError where one is missing or twice."""
+    """The SCPs that a table like flatland_scp holds of an agent in a world, in the order of `dofs`. Raises ScpError where one is missing or twice."""
     chosen = (table["world"] == world) & (table["agent"] == agent) & (table["length"] == length) & (table["threshold"] == threshold)
     rows = table[chosen]
     where = f"the SCP table, {agent!r} in {world!r}, length {length}, threshold {threshold:g}"
@@ -116,6 +115,8 @@ class _Scaling:
     """What both wrappers share: from the few scaled actions of a learner to the whole action of the environment."""
 
     def __init__(self, scales: Sequence[float], whole: spaces.Box):
+        if not isinstance(whole, spaces.Box) or not np.issubdtype(whole.dtype, np.floating):
+            raise ValueError(f"the environment's actions must be a Box of floating-point numbers in [-1, 1], not {whole}")
         self.scales = np.asarray(scales, np.float64)
         if self.scales.shape != whole.shape:
             raise ValueError(f"an action of this environment has the shape {whole.shape}, but there are {self.scales.shape} scales")
@@ -128,10 +129,12 @@ class _Scaling:
         self.free = np.flatnonzero(self.scales)
         self.space = spaces.Box(-1.0, 1.0, (len(self.free),), whole.dtype)
 
-    def whole(self, action: np.ndarray) -> np.ndarray:
+    def whole(self, action: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
         action = np.asarray(action)
-        whole = np.zeros((*action.shape[:-1], len(self.scales)), action.dtype)
-        whole[..., self.free] = np.clip(action, -1, 1) * self.scales[self.free].astype(action.dtype)
+        if action.shape != shape:
+            raise ValueError(f"an action of this action space has the shape {shape}, got {action.shape}")
+        whole = np.zeros((*shape[:-1], len(self.scales)), self.space.dtype)
+        whole[..., self.free] = np.clip(action, -1, 1) * self.scales[self.free]
         return whole
 
 
@@ -152,7 +155,7 @@ class ScaledAction(gym.ActionWrapper):
         self.action_space = self._scaling.space
 
     def action(self, action: np.ndarray) -> np.ndarray:
-        return self._scaling.whole(action)
+        return self._scaling.whole(action, self.action_space.shape)
 
 
 class ScaledActions(gym.vector.VectorActionWrapper):
@@ -165,4 +168,4 @@ class ScaledActions(gym.vector.VectorActionWrapper):
         self.action_space = batch_space(self._scaling.space, env.num_envs)
 
     def actions(self, actions: np.ndarray) -> np.ndarray:
-        return self._scaling.whole(actions)
+        return self._scaling.whole(actions, self.action_space.shape)

@@ -1,6 +1,7 @@
-"""What a killed run goes on from: one file per run, written whole, beside what the run will write.
+"""Files that hold tensors: what a killed run goes on from, and what it leaves.
 
-The file begins with the SHA-256 of the rest: torch reads over some damage, and raises whatever the bytes lead it to over the rest.
+A file begins with the SHA-256 of the rest: torch reads over some damage, and raises whatever the bytes lead it to over the rest. The bytes depend on
+what is saved alone, not on the file's name.
 """
 
 from __future__ import annotations
@@ -19,7 +20,27 @@ DIGEST = 32  # bytes
 
 
 class CheckpointError(UserError):
-    """A checkpoint cannot be used."""
+    """A checkpoint or a model cannot be used."""
+
+
+def save_state(path: Path, state: dict[str, Any]) -> None:
+    """Write tensors, numbers, strings, lists and mappings of them; the file gets its name only when it is whole."""
+    payload = io.BytesIO()
+    torch.save(state, payload)
+    with written_whole(path) as temporary:
+        temporary.write_bytes(hashlib.sha256(payload.getvalue()).digest() + payload.getvalue())
+
+
+def load_state(path: Path, remedy: str) -> dict[str, Any]:
+    """Read what :func:`save_state` wrote. Raises CheckpointError, with the remedy, when the file is missing or damaged."""
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise CheckpointError(f"{path}: there is no such file; {remedy}") from None
+    digest, payload = data[:DIGEST], data[DIGEST:]
+    if hashlib.sha256(payload).digest() != digest:
+        raise CheckpointError(f"{path}: a damaged file; delete it, and {remedy}")
+    return torch.load(io.BytesIO(payload), map_location="cpu", weights_only=True)
 
 
 class Checkpoint:
@@ -38,20 +59,11 @@ class Checkpoint:
 
     def load(self) -> dict[str, Any] | None:
         """What was saved last, or None. Raises CheckpointError when the file is damaged."""
-        if not self.path.exists():
-            return None
-        data = self.path.read_bytes()
-        digest, payload = data[:DIGEST], data[DIGEST:]
-        if hashlib.sha256(payload).digest() != digest:
-            raise CheckpointError(f"{self.path}: a damaged checkpoint; delete it, and the run starts anew")
-        return torch.load(io.BytesIO(payload), map_location="cpu", weights_only=True)
+        return load_state(self.path, "the run starts anew") if self.path.exists() else None
 
     def save(self, state: dict[str, Any]) -> None:
-        """Save tensors, numbers, strings, lists and mappings of them."""
-        payload = io.BytesIO()
-        torch.save(state, payload)
-        with written_whole(self.path) as temporary:
-            temporary.write_bytes(hashlib.sha256(payload.getvalue()).digest() + payload.getvalue())
+        """Save what :func:`save_state` can."""
+        save_state(self.path, state)
 
     def forget(self) -> None:
         """Remove all checkpoints of this run, now that it has written what it should."""

@@ -41,7 +41,7 @@ def navigation_rooms(config: Config, n: int, scales: Mapping[str, float]) -> Sca
 
 
 def measured_scp(config: Config, scp_table: pd.DataFrame) -> dict[str, float]:
-    """Degree of freedom -> SCP of the agent that learns, from the flatland_scp table that the workflow measured. Raises ScpError."""
+    """Degree of freedom -> SCP of the agent that learns, from a table that the workflow measured: flatland_scp or navigation_scp. Raises ScpError."""
     flatland, navigation = config.flatland, config.navigation
     dofs = [dof.name for dof in flatland_agent(flatland, navigation.agent).dofs]
     return scp_of(scp_table, dofs, navigation.scp_world, navigation.agent, flatland.sequence_length)

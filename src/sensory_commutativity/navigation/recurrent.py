@@ -2,7 +2,7 @@
 
 sb3-contrib cuts a rollout anywhere, pads the pieces to one length and, where an episode starts inside a batch, runs the LSTM step by step in Python.
 Here a minibatch is the whole rollout of some rooms. The convolution sees every observation once; only the LSTM's input is padded, in groups of
-pieces of similar length. The loss is the same; it takes a third of the time.
+pieces of similar length. The loss is the same function of a minibatch; which transitions share one differs. It takes a third of the time.
 """
 
 from __future__ import annotations
@@ -25,7 +25,14 @@ class RoomBuffer(RecurrentRolloutBuffer):
 
     def get(self, batch_size: int | None = None) -> Generator[RecurrentRolloutBufferSamples, None, None]:
         """Minibatches of `batch_size` transitions, a multiple of the rollout's steps."""
+        if not self.full:
+            raise ValueError("the rollout is not complete: collect it before learning from it")
         rooms_at_once = self.n_envs if batch_size is None else batch_size // self.buffer_size
+        if batch_size is not None and (rooms_at_once * self.buffer_size != batch_size or self.n_envs % rooms_at_once):
+            raise ValueError(
+                f"a minibatch is the whole rollout of some rooms: {batch_size} transitions are not {self.buffer_size} steps of a number of rooms "
+                f"that divides {self.n_envs}"
+            )
         for rooms in np.array_split(np.random.permutation(self.n_envs), self.n_envs // rooms_at_once):  # noqa: NPY002  (seeded by the learner)
             yield self._rooms(rooms)
 

@@ -27,6 +27,11 @@ class Rooms(VecEnv):
         self.render_mode = None
         super().__init__(environment.num_envs, environment.single_observation_space, environment.single_action_space)
 
+    def seed(self, seed: int | None = None) -> list[int]:
+        """Seed the next reset, every room differently; not with neighbouring numbers, so that rooms of different `seed`, >= 0, are never the same."""
+        self._seeds = np.random.SeedSequence(seed).generate_state(self.num_envs, np.uint64).tolist()
+        return self._seeds
+
     def reset(self) -> np.ndarray:
         """Reset all rooms; with seeds given by :meth:`seed`, room i gets the i-th."""
         seeds = None if all(s is None for s in self._seeds) else list(self._seeds)
@@ -49,7 +54,11 @@ class Rooms(VecEnv):
         self.environment.close()
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        return [getattr(self.environment, attr_name, None) for _ in self._get_indices(indices)]
+        if attr_name == "render_mode":  # which Stable-Baselines3 asks every environment
+            return [None for _ in self._get_indices(indices)]
+        owner = self.environment if hasattr(self.environment, attr_name) else self.environment.unwrapped
+        value = getattr(owner, attr_name)  # raises AttributeError, as the single environments would
+        return [value for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         raise NotImplementedError("the rooms share one compiled loop; make a new environment instead")

@@ -22,8 +22,8 @@ class Zone:
 
     x: float  # units
     y: float  # units
-    radius: float  # units
-    reward: float
+    radius: float  # units, above 0
+    reward: float  # above 0 for the goal, below 0 for a dead zone
 
     @property
     def is_goal(self) -> bool:
@@ -32,6 +32,8 @@ class Zone:
 
 def room_with_zones(room: Room, zones: tuple[Zone, ...]) -> Room:
     """`room` with the zones as marks, so that the eye sees them and the agent starts outside them."""
+    if not zones:
+        raise ValueError("the task needs at least one zone: nothing else ends an episode with a reward")
     marks = tuple(Mark(zone.x, zone.y, zone.radius, GOAL_COLOUR if zone.is_goal else DEAD_COLOUR) for zone in zones)
     return replace(room, marks=marks)
 
@@ -109,5 +111,8 @@ class NavigationVectorEnv(FlatlandVectorEnv):
         self._rewards = np.array([*(zone.reward for zone in zones), 0.0])  # the last is for touching none
 
     def _judge(self) -> tuple[np.ndarray, np.ndarray]:
-        zone = touched(self.zones, self._pose[:, 0, :2], self._base_radius)
-        return self._rewards[zone], zone >= 0
+        self._zone = touched(self.zones, self._pose[:, 0, :2], self._base_radius)
+        return self._rewards[self._zone], self._zone >= 0
+
+    def _last_info(self, r: int) -> dict[str, Any]:
+        return {"is_success": bool(self._zone[r] >= 0 and self.zones[self._zone[r]].is_goal)}

@@ -6,6 +6,8 @@ weights, the optimiser's state and the curve so far are all that a killed run ne
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
@@ -16,10 +18,10 @@ from stable_baselines3.common.utils import set_random_seed
 from ..config import Config
 from ..progress import progress
 from ..seeding import seed_for
-from .checkpoints import Checkpoint
+from .checkpoints import Checkpoint, CheckpointError
 from .evaluation import evaluate
 from .from_config import evaluation_seeds, navigation_rooms
-from .learner import RoomPPO, make_learner
+from .learner import RoomPPO, make_learner, make_policy
 from .rooms import Rooms
 
 
@@ -30,11 +32,22 @@ def learner_of_run(config: Config, action_space: str, seed: int, scales: dict[st
     return make_learner(Rooms(rooms, settings.reward_scale), settings, seed_for(config.seed, "navigation", action_space, seed) % 2**32)
 
 
-def policy_of_run(config: Config, action_space: str, seed: int, model: dict[str, Any]) -> RecurrentActorCriticPolicy:
-    """The trained policy that a run left as `model`."""
-    learner = learner_of_run(config, action_space, seed, model["scales"])
-    learner.policy.load_state_dict(model["policy"])
-    return learner.policy
+def settings_of_run(config: Config, scales: Mapping[str, float]) -> str:
+    """All settings that a run depends on apart from its action space's name and its seed, as JSON."""
+    flatland, navigation = config.flatland, config.navigation
+    judged = {"seeds", "action_spaces", "calibration_splits", "threshold_return", "solved_success_rate", "primary_measure", "alpha"}
+    parts = dict(world=flatland.worlds[navigation.world], agent=flatland.agents[navigation.agent], navigation=navigation)
+    return json.dumps(dict(seed=config.seed, scales=scales, **{k: part.model_dump(mode="json", exclude=judged) for k, part in parts.items()}))
+
+
+def policy_of_run(config: Config, model: dict[str, Any], where: str) -> RecurrentActorCriticPolicy:
+    """The trained policy that a run left as `model` in the file `where`. Raises CheckpointError when it was trained with other settings."""
+    if model["settings"] != settings_of_run(config, model["scales"]):
+        raise CheckpointError(f"{where}: a policy that was trained with other settings; run the workflow, or give the configuration of that run")
+    environment = navigation_rooms(config, 1, model["scales"])
+    policy = make_policy(environment.single_observation_space, environment.single_action_space, config.navigation.learner)
+    policy.load_state_dict(model["policy"])
+    return policy
 
 
 def train(config: Config, action_space: str, seed: int, scales: dict[str, float], checkpoint: Checkpoint) -> tuple[pd.DataFrame, dict[str, Any]]:
@@ -54,7 +67,7 @@ def train(config: Config, action_space: str, seed: int, scales: dict[str, float]
     curve : DataFrame
         A row per evaluation: step, episode_return, success_rate, dead_rate, episode_length, episodes.
     model : dict
-        scales, and the policy's weights.
+        action_space, seed, settings, scales, and policy: the weights.
     """
     torch.set_num_threads(1)
     navigation = config.navigation
@@ -71,7 +84,7 @@ def train(config: Config, action_space: str, seed: int, scales: dict[str, float]
     for segment in progress(range(len(curve), navigation.checkpoints), f"{action_space} {seed}", "segment"):
         start = seed_for(config.seed, "navigation", action_space, seed, segment)
         set_random_seed(start % 2**32)
-        learner.env.seed(start % 2**32)
+        learner.env.seed(start)
         learner.learn(length)
         episodes = evaluate(learner.policy, arena, seeds)
         curve.append(
@@ -85,4 +98,5 @@ def train(config: Config, action_space: str, seed: int, scales: dict[str, float]
             )
         )
         checkpoint.save(dict(policy=learner.policy.state_dict(), optimizer=learner.policy.optimizer.state_dict(), curve=curve))
-    return pd.DataFrame(curve), dict(action_space=action_space, seed=seed, scales=dict(scales), policy=learner.policy.state_dict())
+    model = dict(action_space=action_space, seed=seed, settings=settings_of_run(config, scales), scales=dict(scales))
+    return pd.DataFrame(curve), dict(**model, policy=learner.policy.state_dict())

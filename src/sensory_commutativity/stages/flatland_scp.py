@@ -8,7 +8,9 @@ import pandas as pd
 
 from ..config import Config
 from ..estimate import sensory_commutativity_probability
-from ..tables import TABLES, read_table, write_table
+from ..tables import read_table, write_table
+
+KEYS = ["world", "agent", "length", "dof"]
 
 
 def gather_experiments(parts: list[Path], out: Path, config: Config) -> None:
@@ -36,5 +38,4 @@ def write_sensitivity(experiments: Path, out: Path, config: Config) -> None:
 
 
 def _scp(frame: pd.DataFrame, config: Config) -> pd.DataFrame:
-    keys = [column.name for column in TABLES["flatland_scp"]][:4]  # world, agent, length, dof
-    return sensory_commutativity_probability(frame, keys, config.flatland.thresholds)
+    return sensory_commutativity_probability(frame, KEYS, config.flatland.thresholds)

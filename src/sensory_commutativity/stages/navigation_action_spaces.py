@@ -13,9 +13,9 @@ from ..tables import read_table, write_table
 TABLE = "navigation_action_spaces"
 
 
-def write_action_spaces(flatland_scp: Path, out: Path, config: Config) -> None:
+def write_action_spaces(navigation_scp: Path, out: Path, config: Config) -> None:
     """A row per run and degree of freedom."""
-    scp = measured_scp(config, read_table("flatland_scp", flatland_scp))
+    scp = measured_scp(config, read_table("navigation_scp", navigation_scp))
     rows = [
         (action_space, seed, dof, scp[dof], scale)
         for action_space, seed in config.navigation.runs

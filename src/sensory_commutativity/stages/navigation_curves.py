@@ -7,37 +7,26 @@ from pathlib import Path
 
 import pandas as pd
 
-from .. import __version__
 from ..config import Config
 from ..errors import TableError
-from ..tables import read_table, write_table, written_whole
+from ..provenance import package_versions
+from ..tables import read_table, write_table
 
 TABLE = "navigation_curves"
 
 
-def write_run(config: Config, action_space: str, seed: int, flatland_scp: Path, out: Path, model: Path) -> None:
+def write_run(config: Config, action_space: str, seed: int, navigation_scp: Path, out: Path, model: Path) -> None:
     """Train one run, or go on with it where it was killed, and write its curve and its model."""
-    import torch
-
-    from ..navigation.checkpoints import Checkpoint
+    from ..navigation.checkpoints import Checkpoint, save_state
     from ..navigation.from_config import measured_scp, scales_of_run
-    from ..navigation.training import train
+    from ..navigation.training import settings_of_run, train
 
-    scales = scales_of_run(config, measured_scp(config, read_table("flatland_scp", flatland_scp)), action_space, seed)
-    checkpoint = Checkpoint(out, _settings(config, scales))
+    scales = scales_of_run(config, measured_scp(config, read_table("navigation_scp", navigation_scp)), action_space, seed)
+    checkpoint = Checkpoint(out, f"{settings_of_run(config, scales)} {json.dumps(package_versions())}")
     curve, trained = train(config, action_space, seed, scales, checkpoint)
-    with written_whole(model) as temporary:
-        torch.save(trained, temporary)
+    save_state(model, trained)
     write_table(TABLE, curve.assign(action_space=action_space, seed=seed), out, config)
     checkpoint.forget()
-
-
-def _settings(config: Config, scales: dict[str, float]) -> str:
-    """All that a run depends on, apart from its name."""
-    flatland, navigation = config.flatland, config.navigation
-    parts = [flatland.worlds[navigation.world], flatland.agents[navigation.agent], navigation]
-    exclude = {"seeds", "action_spaces", "calibration_splits", "threshold_return", "solved_success_rate"}
-    return json.dumps([__version__, config.seed, scales, *(part.model_dump(mode="json", exclude=exclude) for part in parts)])
 
 
 def gather_curves(parts: list[Path], out: Path, config: Config) -> None:

@@ -116,8 +116,11 @@ class FlatlandVectorEnv(VectorEnv):
         truncated = (self._steps >= self.max_episode_steps) & ~terminated
         self._ended = terminated | truncated
         infos: dict[str, Any] = {}
+        for r in np.flatnonzero(self._ended):
+            last = self._last_info(r)
+            told = {"final_obs": self._seen[r].copy(), "final_info": last} if self._same_step else last
+            infos = self._add_info(infos, told, r)
         if self._same_step and self._ended.any():
-            infos = self._final(self._ended)
             self._reset_rooms(np.flatnonzero(self._ended))
         return self._seen.copy(), np.where(resetting, 0.0, rewards), terminated, truncated, infos
 
@@ -125,12 +128,9 @@ class FlatlandVectorEnv(VectorEnv):
         """Rewards, float64, and whether the episode ends by itself, bool, of every room as it is now; tasks override this."""
         return np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
 
-    def _final(self, ended: np.ndarray) -> dict[str, Any]:
-        """What Gymnasium's ``SAME_STEP`` tells of the rooms whose episode has just ended."""
-        last, info = np.full(self.num_envs, None, object), np.full(self.num_envs, None, object)
-        for r in np.flatnonzero(ended):
-            last[r], info[r] = self._seen[r].copy(), {}
-        return {"final_obs": last, "_final_obs": ended.copy(), "final_info": info, "_final_info": ended.copy()}
+    def _last_info(self, r: int) -> dict[str, Any]:
+        """What the single environment's info holds at the end of an episode, of room `r` as it is now; tasks override this."""
+        return {}
 
     def _advance(self, actions: np.ndarray, rooms: np.ndarray, skip: np.ndarray) -> None:
         advance_rooms(
