@@ -182,10 +182,16 @@ TABLES: dict[str, tuple[Column, ...]] = {
         Column("df", _FLOAT, "1", "degrees of freedom"),
         *_TEST,
         Column("difference", _FLOAT, "of the measure", "mean of a minus mean of b"),
-        Column("ci_low", _FLOAT, "of the measure", "lower end of the 95 % interval of the difference, or else of the effect size"),
+        Column(
+            "ci_low",
+            _FLOAT,
+            "of the measure",
+            "lower end of the 95 % interval of the difference, or else of the effect size",
+        ),
         Column("ci_high", _FLOAT, "of the measure", "its upper end"),
         Column("effect", _TEXT, "", "what effect_size is"),
         Column("effect_size", _FLOAT, "1", "Hedges' g, the probability that a run of a is better, or the ratio of the mean steps"),
+        Column("agrees", _TEXT, "", "yes or no: whether the test decides as Welch's does; empty for Welch's own and for other questions"),
     ),
     "navigation_checkpoints": (
         Column("step", _INT, "steps", "environment steps of training"),
@@ -213,7 +219,7 @@ TABLES: dict[str, tuple[Column, ...]] = {
         *_INTERVAL,
     ),
     "navigation_calibration": (
-        Column("action_space", _TEXT, "", "whose runs were split; all: all action spaces together"),
+        Column("action_space", _TEXT, "", "whose runs were split; all: together, but for those whose runs are all equal"),
         Column("measure", _TEXT, "", "which score"),
         Column("splits", _INT, "1", "random halves that were compared (A/A)"),
         Column("rejected", _INT, "1", "how many differed significantly"),

@@ -16,25 +16,27 @@ from statsmodels.stats.power import TTestIndPower
 
 from sensory_commutativity import cli
 from sensory_commutativity.config import Config, load, validate
-from sensory_commutativity.errors import ConfigError
+from sensory_commutativity.errors import ConfigError, TableError
 from sensory_commutativity.stages import navigation_comparisons
+from sensory_commutativity.stages.navigation_calibration import CALIBRATED, write_calibration
+from sensory_commutativity.stages.navigation_checkpoints import compare_checkpoints, write_checkpoints
 from sensory_commutativity.stages.navigation_comparisons import (
-    ALPHA,
     CROSS_CHECKED,
     HALF,
     LOG_RANK,
+    RANKS,
     STEPS,
     WELCH,
     compare,
-    compare_checkpoints,
     pairs,
-    write_checkpoints,
     write_comparisons,
 )
 from sensory_commutativity.stages.navigation_curves import gather_curves
-from sensory_commutativity.stages.navigation_power import DETECTABLE, EFFECTS, NEEDED, POWER_AT, write_calibration, write_power
-from sensory_commutativity.stages.navigation_scores import MEASURES, score_runs, write_scores, write_summary
-from sensory_commutativity.stages.navigation_survival import write_profiles, write_survival
+from sensory_commutativity.stages.navigation_power import DETECTABLE, EFFECTS, NEEDED, POWER_AT, write_power
+from sensory_commutativity.stages.navigation_profiles import write_profiles
+from sensory_commutativity.stages.navigation_scores import MEASURES, score_runs, write_scores
+from sensory_commutativity.stages.navigation_summary import write_summary
+from sensory_commutativity.stages.navigation_survival import write_survival
 from sensory_commutativity.statistics.groups import games_howell
 from sensory_commutativity.tables import read_table, write_table
 
@@ -43,12 +45,15 @@ from ..helpers import DEFAULT
 SPACES = ["full", "truncated", "adapted", "random-half", "inverse"]
 SEEDS = [0, 1, 2, 3, 4, 5]
 STEP, CHECKPOINTS = 2048, 5
+ALPHA = 0.05  # as in the default profile
 SPEED = {"truncated": 1.5, "adapted": 2.0, "full": 2.5, "random-half": 3.0, "inverse": 4.5}
 
 
 def of_spaces(spaces: list[str], **more) -> Config:
     settings = load(DEFAULT)
-    update = dict(action_spaces=spaces, seeds=SEEDS, steps=CHECKPOINTS * STEP, checkpoints=CHECKPOINTS, calibration_splits=51, **more)
+    update = dict(
+        action_spaces=spaces, seeds=SEEDS, steps=CHECKPOINTS * STEP, checkpoints=CHECKPOINTS, calibration_splits=51, evaluation_episodes=10, **more
+    )
     return settings.model_copy(update={"navigation": settings.navigation.model_copy(update=update)})
 
 
@@ -129,6 +134,9 @@ def test_every_test_is_what_scipy_and_statsmodels_say(few, scores):
             assert (row.statistic, row.p) == pytest.approx((expected.statistic, expected.pvalue))
             better = expected.statistic / 36 if row.measure != STEPS else 1 - expected.statistic / 36
             assert row.effect_size == pytest.approx(better) and row.effect == "P(a better)" and row.ci_low <= better <= row.ci_high
+        elif row.test == RANKS:
+            together = stats.rankdata(np.concatenate([a, b]))
+            assert row.p == pytest.approx(stats.ttest_ind(together[:6], together[6:], equal_var=False).pvalue)
         elif row.test == "permutation":
             assert row.difference == pytest.approx(a.mean() - b.mean())
             assert row.p == pytest.approx(exact_permutation(a, b))
@@ -330,15 +338,16 @@ def test_power_is_what_statsmodels_says(scores_file, scores, config, tmp_path):
             assert theirs.power(abs(g), row.n, row.alpha) >= 0.8 - 1e-6 and (row.n == 2 or theirs.power(abs(g), row.n - 1, row.alpha) < 0.8)
 
 
-def test_calibration_shares_the_splits_and_rounds_up(scores_file, config, tmp_path):
+def test_calibration_shares_the_splits_and_rounds_up(scores_file, scores, config, tmp_path):
     write_calibration(scores_file, tmp_path / "out.parquet", config)
     table = read_table("navigation_calibration", tmp_path / "out.parquet")
-    assert table["measure"].unique().tolist() == list(MEASURES[:2])
-    for _, rows in table.groupby("measure"):
-        assert rows["action_space"].tolist() == [*SPACES, "all"] and rows["splits"].tolist() == [11] * 5 + [55]
-        assert rows["rejected"].iloc[:5].sum() == rows["rejected"].iloc[5]
+    assert table["measure"].unique().tolist() == list(CALIBRATED)
+    for measure, rows in table.groupby("measure"):
+        assert rows["action_space"].tolist() == [*SPACES, "all"] and rows["splits"].tolist()[:5] == [11] * 5
+        n = 11 * sum(np.ptp(values(scores, space, measure)) > 0 for space in SPACES)
+        assert rows["splits"].iloc[5] == n and rows["rejected"].iloc[:5].sum() == rows["rejected"].iloc[5]
         assert (rows["rate"] == rows["rejected"] / rows["splits"]).all() and (rows["alpha"] == ALPHA).all()
-        band = stats.binom.ppf([0.025, 0.975], 55, ALPHA) / 55
+        band = stats.binom.ppf([0.025, 0.975], n, ALPHA) / n
         assert rows[["band_low", "band_high"]].iloc[5].tolist() == pytest.approx(band.tolist())
 
 
@@ -346,7 +355,35 @@ def test_calibration_finds_nothing_where_nothing_is(config, tmp_path):
     frame = score_runs(curves_of(config, lambda space, i, k: 3.0), config)
     write_table("navigation_scores", frame, tmp_path / "scores.parquet", config)
     write_calibration(tmp_path / "scores.parquet", tmp_path / "out.parquet", config)
-    assert (read_table("navigation_calibration", tmp_path / "out.parquet")["rejected"] == 0).all()
+    table = read_table("navigation_calibration", tmp_path / "out.parquet")
+    assert (table["rejected"] == 0).all() and (table.loc[table["action_space"] == "all", "splits"] == 0).all()
+
+
+def test_a_test_that_finds_otherwise_is_marked(few):
+    config, table = few
+    found = table.set_index(["a", "b", "measure", "test"])
+    for (a, b, measure, test), row in found.iterrows():
+        if test in (WELCH, HALF):
+            assert row["agrees"] == ""
+        else:
+            decided = found.loc[(a, b, measure, WELCH), "p_adjusted"].item() < config.navigation.alpha
+            assert (row["agrees"] == "yes") == ((row["p_adjusted"] < config.navigation.alpha) == decided)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda s: s[1:], "1 of 30 training runs missing .truncated 0|missing .full 0"),
+        (lambda s: pd.concat([s, s[:1]]), "repeated .full 0"),
+        (lambda s: s.assign(seed=s["seed"] + 1), "missing"),
+    ],
+)
+def test_what_is_made_from_scores_wants_every_run_once(spoil, message, scores, config, tmp_path):
+    write_table("navigation_scores", spoil(scores), tmp_path / "scores.parquet", config)
+    for write in WRITERS.values():
+        with pytest.raises(TableError, match=message):
+            write(tmp_path / "scores.parquet", tmp_path / "out.parquet", config)
+    assert not (tmp_path / "out.parquet").exists()
 
 
 # ---- settings --------------------------------------------------------------------------------------------------------------
@@ -452,7 +489,7 @@ RUN = ("navigation-run", "--config", DEFAULT, "--navigation-scp", "scp.parquet",
         ((*RUN, "--action-space", "short", "--seed", 0), "'short' with seed 0; it has full, truncated, adapted, random-half, inverse, each with"),
         ((*RUN, "--action-space", "full", "--seed", 7), "'full' with seed 7; it has full, truncated, adapted, random-half, inverse, each with"),
         ((*RUN, "--action-space", "full", "--seed", -1), "-1 is not in the range x>=0"),
-        ((*RUN, "--action-space", "full", "--seed", 0), "scp.parquet: there is no such table"),
+        ((*RUN, "--action-space", "full", "--seed", 2000), "scp.parquet: there is no such table"),
         (("navigation-curves", "--config", DEFAULT, "--out", "o.parquet", "a.parquet"), "a.parquet: there is no such table"),
         (("navigation-scores", "--config", DEFAULT, "--navigation-curves", "c.parquet", "--out", "o.parquet"), "c.parquet: there is no such table"),
         (("navigation-episode", "--config", DEFAULT, "--action-space", "short", "--navigation-scores", "s", "--models", "m", "--out", "o.gif"),

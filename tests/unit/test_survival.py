@@ -9,13 +9,17 @@ import pytest
 from scipy import stats
 from statsmodels.duration.survfunc import SurvfuncRight, survdiff
 
-from sensory_commutativity.statistics.survival import kaplan_meier, log_rank, median_time
+from sensory_commutativity.statistics.survival import SurvivalCurve, kaplan_meier, log_rank, median_time
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 # Weeks of remission of leukaemia with 6-mercaptopurine and with placebo (Freireich et al. 1963), the textbooks' example; + is censored.
 TREATED = "6 6 6 6+ 7 9+ 10 10+ 11+ 13 16 17+ 19+ 20+ 22 23 25+ 32+ 32+ 34+ 35+"
 PLACEBO = "1 1 2 2 3 4 4 5 5 8 8 8 8 11 11 12 12 15 17 22 23"
+
+
+def median_of(curve: SurvivalCurve) -> float:
+    return median_time(curve.time, curve.survival)
 
 
 def parse(text: str) -> tuple[np.ndarray, np.ndarray]:
@@ -40,8 +44,8 @@ def test_kaplan_meier_of_the_textbooks():
     assert at[9] == (16, 0, 0.807)
     assert [at[t][2] for t in (10, 13, 16, 22, 23, 35)] == [0.753, 0.690, 0.627, 0.538, 0.448, 0.448]
     assert at[35] == (1, 0, 0.448)
-    assert median_time(curve) == 23
-    assert median_time(kaplan_meier(*parse(PLACEBO))) == 8
+    assert median_of(curve) == 23
+    assert median_of(kaplan_meier(*parse(PLACEBO))) == 8
 
 
 def test_kaplan_meier_by_hand():
@@ -80,7 +84,7 @@ def test_nobody_reached():
     assert curve.at_risk.tolist() == [30, 30]
     assert curve.survival.tolist() == curve.ci_high.tolist() == [1, 1]
     assert curve.ci_low == pytest.approx([1, stats.binomtest(30, 30).proportion_ci().low])
-    assert math.isnan(median_time(curve))
+    assert math.isnan(median_of(curve))
 
 
 def test_losses_before_the_first_event_leave_fewer_to_tell():
@@ -93,7 +97,7 @@ def test_all_reached_at_once():
     curve = kaplan_meier([4.0] * 30, [True] * 30)
     assert curve.survival.tolist() == [1, 0]
     assert (curve.ci_low[1], curve.ci_high[1]) == pytest.approx(tuple(stats.binomtest(0, 30).proportion_ci()))
-    assert median_time(curve) == 4
+    assert median_of(curve) == 4
 
 
 def test_all_reached_one_by_one():
@@ -108,18 +112,18 @@ def test_an_event_at_time_zero_has_its_own_row():
     curve = kaplan_meier([0, 3], [True, True])
     assert curve.time.tolist() == [0, 0, 3]
     assert curve.survival.tolist() == [1, 0.5, 0]
-    assert median_time(curve) == 0
+    assert median_of(curve) == 0
 
 
 @pytest.mark.parametrize("n", range(2, 60, 2))
 def test_the_median_is_found_where_exactly_half_are_left(n):
     """Also where products of fractions leave a little more than one half."""
-    assert median_time(kaplan_meier(np.append(np.arange(1, n + 1), n + 1), [True] * n + [False])) == n // 2 + 1
-    assert median_time(kaplan_meier(np.append(np.arange(1, n), n), [True] * (n - 1) + [False])) == n // 2
+    assert median_of(kaplan_meier(np.append(np.arange(1, n + 1), n + 1), [True] * n + [False])) == n // 2 + 1
+    assert median_of(kaplan_meier(np.append(np.arange(1, n), n), [True] * (n - 1) + [False])) == n // 2
 
 
 def test_a_median_that_is_not_reached():
-    assert math.isnan(median_time(kaplan_meier([1, 2, 2, 2], [1, 0, 0, 0])))
+    assert math.isnan(median_of(kaplan_meier([1, 2, 2, 2], [1, 0, 0, 0])))
 
 
 def test_intervals_cover_as_often_as_they_say():

@@ -104,18 +104,24 @@ NAVIGATION_TABLES = (
     {  # table -> the table it is made from, and the settings it depends on
         "navigation_scores": (
             "navigation_curves",
-            training()
-            + digest(NAVIGATION.threshold_return, NAVIGATION.solved_success_rate),
+            digest(
+                NAVIGATION.steps,
+                NAVIGATION.threshold_return,
+                NAVIGATION.solved_success_rate,
+            ),
         ),
         "navigation_summary": ("navigation_scores", digest()),
-        "navigation_comparisons": ("navigation_scores", digest()),
+        "navigation_comparisons": ("navigation_scores", digest(NAVIGATION.alpha)),
         "navigation_checkpoints": ("navigation_curves", digest()),
         "navigation_survival": ("navigation_scores", digest()),
         "navigation_profiles": ("navigation_scores", digest(NAVIGATION.zones)),
-        "navigation_power": ("navigation_scores", digest(NAVIGATION.seeds)),
+        "navigation_power": (
+            "navigation_scores",
+            digest(NAVIGATION.seeds, NAVIGATION.alpha, NAVIGATION.primary_measure),
+        ),
         "navigation_calibration": (
             "navigation_scores",
-            digest(NAVIGATION.calibration_splits),
+            digest(NAVIGATION.calibration_splits, NAVIGATION.alpha),
         ),
     }
 )

@@ -64,7 +64,7 @@ def navigation_curves(config: Config, parts: tuple[Path, ...], out: Path) -> Non
     gather_curves(list(parts), out, config)
 
 
-def _from_table(name: str, source: str, module: str, function: str, text: str) -> click.Command:
+def _from_table(name: str, source: str, text: str) -> click.Command:
     """A command that makes the table `name` from the table `source` alone."""
 
     @click.command(name.replace("_", "-"), help=text)
@@ -72,8 +72,8 @@ def _from_table(name: str, source: str, module: str, function: str, text: str) -
     @table(source.replace("_", "-"))
     @with_out
     def command(config: Config, out: Path, **tables: Path) -> None:
-        stage = importlib.import_module(f"..stages.{module}", __package__)
-        getattr(stage, function)(tables[source], out, config)
+        stage = importlib.import_module(f"..stages.{name}", __package__)
+        getattr(stage, name.replace("navigation", "write"))(tables[source], out, config)
 
     return command
 
@@ -81,14 +81,14 @@ def _from_table(name: str, source: str, module: str, function: str, text: str) -
 FROM_TABLES = tuple(
     _from_table(*row)
     for row in (
-        ("navigation_scores", "navigation_curves", "navigation_scores", "write_scores", "Score every training run."),
-        ("navigation_summary", "navigation_scores", "navigation_scores", "write_summary", "Mean, median, interquartile mean of every score."),
-        ("navigation_comparisons", "navigation_scores", "navigation_comparisons", "write_comparisons", "Compare the action spaces in pairs."),
-        ("navigation_checkpoints", "navigation_curves", "navigation_comparisons", "write_checkpoints", "Compare them at every checkpoint."),
-        ("navigation_survival", "navigation_scores", "navigation_survival", "write_survival", "Kaplan-Meier curves of the steps to the threshold."),
-        ("navigation_profiles", "navigation_scores", "navigation_survival", "write_profiles", "Fraction of runs above every return."),
-        ("navigation_power", "navigation_scores", "navigation_power", "write_power", "Which differences would so many runs find?"),
-        ("navigation_calibration", "navigation_scores", "navigation_power", "write_calibration", "How often do the tests err? (A/A)"),
+        ("navigation_scores", "navigation_curves", "Score every training run."),
+        ("navigation_summary", "navigation_scores", "Mean, median, interquartile mean of every score."),
+        ("navigation_comparisons", "navigation_scores", "Compare the action spaces in pairs."),
+        ("navigation_checkpoints", "navigation_curves", "Compare them at every checkpoint."),
+        ("navigation_survival", "navigation_scores", "Kaplan-Meier curves of the steps to the threshold."),
+        ("navigation_profiles", "navigation_scores", "Fraction of runs above every return."),
+        ("navigation_power", "navigation_scores", "Which differences would so many runs find?"),
+        ("navigation_calibration", "navigation_scores", "How often do the tests err? (A/A)"),
     )
 )
 

@@ -11,7 +11,7 @@ from scipy import stats
 
 from ..config import Config
 from ..navigation.from_config import evaluation_seeds, navigation_environment
-from ..stages.navigation_comparisons import ALPHA, pairs
+from ..stages.navigation_comparisons import pairs
 from ..worlds.flatland.drawing import draw_room, draw_view
 from .style import GREY, SPACE_COLOURS, SPACE_LINES, SPACE_MARKERS
 
@@ -45,7 +45,7 @@ def _curve(axes: Axes, runs: pd.DataFrame, action_space: str) -> None:
 def _dots(axes: Axes, checkpoints: pd.DataFrame, config: Config, top: float, line: float) -> None:
     """A row of dots for each of the paper's pairs, where the difference is significant."""
     for i, (_, a, b) in enumerate(pair for pair in pairs(config) if pair[0] == "paper"):
-        rows = checkpoints[(checkpoints["a"] == a) & (checkpoints["b"] == b) & (checkpoints["p_adjusted"] < ALPHA)]
+        rows = checkpoints[(checkpoints["a"] == a) & (checkpoints["b"] == b) & (checkpoints["p_adjusted"] < config.navigation.alpha)]
         y = top - i * line
         for _, row in rows.iterrows():
             better = a if row["difference"] > 0 else b
@@ -75,6 +75,6 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.86), title="action space")
     axes.set_title(
         f"n = {len(navigation.seeds)} runs each; mean, 95 % interval (dark), middle 80 % of runs (light)\n"
-        f"marks on top: checkpoints where the pair differs, in the better one's colour (Welch, Holm, p < {ALPHA})"
+        f"marks on top: checkpoints where the pair differs, in the better one's colour (Welch, Holm, p < {navigation.alpha:g})"
     )
     return figure

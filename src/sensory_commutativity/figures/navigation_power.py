@@ -8,8 +8,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..config import Config
-from ..stages.navigation_comparisons import ALPHA, WELCH
+from ..config import Config, NavigationConfig
+from ..stages.navigation_comparisons import WELCH
 from ..stages.navigation_power import DETECTABLE, POWER, POWER_AT
 from ..statistics.power import power_of_t_test
 from .style import BLUE, GREY, MEASURE_LABELS, ORANGE, SPACE_COLOURS
@@ -17,9 +17,10 @@ from .style import BLUE, GREY, MEASURE_LABELS, ORANGE, SPACE_COLOURS
 _WIDEST = 2.5
 
 
-def _power(axes: Axes, power: pd.DataFrame, comparisons: pd.DataFrame, n: int) -> None:
+def _power(axes: Axes, power: pd.DataFrame, comparisons: pd.DataFrame, navigation: NavigationConfig) -> None:
+    n, level, primary = len(navigation.seeds), navigation.alpha, navigation.primary_measure
     effects = np.linspace(0.02, _WIDEST, 60)
-    for alpha, colour, style, name in ((ALPHA, BLUE, "-", f"α = {ALPHA}"), (ALPHA / 3, ORANGE, "--", f"α = {ALPHA} / 3, three pairs")):
+    for alpha, colour, style, name in ((level, BLUE, "-", f"α = {level:g}"), (level / 3, ORANGE, "--", f"α = {level:g} / 3, three pairs")):
         rows = power[np.isclose(power["alpha"], alpha)]
         axes.plot(effects, [power_of_t_test(d, n, alpha) for d in effects], color=colour, linestyle=style, label=name)
         at = rows[rows["question"] == POWER_AT]
@@ -28,9 +29,9 @@ def _power(axes: Axes, power: pd.DataFrame, comparisons: pd.DataFrame, n: int) -
         if found["effect_size"] < _WIDEST:
             axes.plot([found["effect_size"]] * 2, [0, POWER], color=colour, linewidth=0.8, linestyle=":")
             axes.text(found["effect_size"], 0.02, f" {found['effect_size']:.2f}", fontsize=7.5, color=colour)
-    welch = comparisons[(comparisons["test"] == WELCH) & (comparisons["family"] == "paper") & (comparisons["measure"] == "final_return")]
-    lines = [f"{row['a']} − {row['b']}: {abs(row['effect_size']):.2f}" for _, row in welch.iterrows()]
-    axes.text(0.98, 0.06, "observed |g| (final return)\n" + "\n".join(lines), transform=axes.transAxes, fontsize=7.5, ha="right", va="bottom")
+    welch = comparisons[(comparisons["test"] == WELCH) & (comparisons["family"] == "paper") & (comparisons["measure"] == primary)]
+    lines = [f"observed |g| ({MEASURE_LABELS[primary]})", *(f"{row['a']} − {row['b']}: {abs(row['effect_size']):.2f}" for _, row in welch.iterrows())]
+    axes.text(0.98, 0.06, "\n".join(lines), transform=axes.transAxes, fontsize=7.5, ha="right", va="bottom")
     axes.axhline(POWER, color=GREY, linewidth=0.8, linestyle=":")
     axes.set_ylim(0, 1.03)
     axes.set_xlim(0, _WIDEST)
@@ -40,27 +41,27 @@ def _power(axes: Axes, power: pd.DataFrame, comparisons: pd.DataFrame, n: int) -
     axes.legend(loc="upper left")
 
 
-def _calibration(axes: Axes, calibration: pd.DataFrame) -> None:
+def _calibration(axes: Axes, calibration: pd.DataFrame, level: float) -> None:
     measures = list(dict.fromkeys(calibration["measure"]))
     spaces = list(dict.fromkeys(calibration["action_space"]))
     for i, measure in enumerate(measures):
         rows = calibration[calibration["measure"] == measure].set_index("action_space").loc[spaces]
-        places = np.arange(len(spaces)) + (i - (len(measures) - 1) / 2) * 0.3
-        axes.bar(places, rows["band_high"] - rows["band_low"], bottom=rows["band_low"], width=0.26, color=GREY, alpha=0.3)
+        places = np.arange(len(spaces)) + (i - (len(measures) - 1) / 2) * 0.26
+        axes.bar(places, rows["band_high"] - rows["band_low"], bottom=rows["band_low"], width=0.22, color=GREY, alpha=0.3)
         colours = [SPACE_COLOURS.get(space, BLUE) for space in spaces]
         axes.scatter(places, rows["rate"], color=colours, marker="os^v"[i], s=30, zorder=3)
-        axes.scatter([], [], color="#555555", marker="os^v"[i], label=MEASURE_LABELS[measure])
-    axes.axhline(ALPHA, color="black", linewidth=0.8)
+        axes.scatter([], [], color="#555555", marker="os^v"[i], label=MEASURE_LABELS[measure].removesuffix(" (thousands)"))
+    axes.axhline(level, color="black", linewidth=0.8)
     splits = calibration.groupby("action_space", sort=False)["splits"].first()
     axes.set_xticks(range(len(spaces)), [f"{space}\n{splits[space]:,} splits" for space in spaces], fontsize=8)
     axes.set_ylim(0, max(0.1, 1.15 * max(calibration["rate"].max(), calibration["band_high"].max())))
-    axes.set_ylabel(f"splits with p < {ALPHA}")
+    axes.set_ylabel(f"splits with p < {level:g}")
     axes.set_title("A/A: halves of the same runs; grey: 95 % band for a true rate of α", fontsize=9.5)
     axes.legend(loc="upper right")
 
 
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 4.6))
-    _power(left, tables["navigation_power"], tables["navigation_comparisons"], len(config.navigation.seeds))
-    _calibration(right, tables["navigation_calibration"])
+    _power(left, tables["navigation_power"], tables["navigation_comparisons"], config.navigation)
+    _calibration(right, tables["navigation_calibration"], config.navigation.alpha)
     return figure

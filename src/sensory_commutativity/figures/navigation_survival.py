@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from ..config import Config
 from ..stages.navigation_comparisons import LOG_RANK
+from ..statistics.survival import median_time
 from .style import SPACE_COLOURS, SPACE_LINES, p_text
 
 
@@ -21,8 +22,8 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         end = pd.concat([curve, curve.tail(1).assign(step=navigation.steps)])
         steps, colour = end["step"] / 1000, SPACE_COLOURS[action_space]
         axes.fill_between(steps, end["ci_low"], end["ci_high"], step="post", color=colour, alpha=0.1, linewidth=0)
-        below = curve[curve["survival"] <= 0.5]
-        median = f"median {below['step'].iloc[0] / 1000:.0f}k" if len(below) else "median not reached"
+        half = median_time(curve["step"], curve["survival"])
+        median = "median not reached" if np.isnan(half) else f"median {half / 1000:.0f}k"
         runs = scores[scores["action_space"] == action_space]
         label = f"{action_space}: {int(runs['reached'].sum())} of {len(runs)} reached it, {median}"
         axes.step(steps, end["survival"], where="post", color=colour, linestyle=SPACE_LINES[action_space], linewidth=1.8, label=label)

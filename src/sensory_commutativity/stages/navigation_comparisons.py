@@ -1,8 +1,7 @@
 """Do the action spaces differ? Welch's test with Holm's correction decides; the other tests stand beside it, whether they agree or not.
 
-The paper's three pairs are one family, the pairs with a control another. Fixed before the runs: the pairs and their order, the measures, the tests,
-alpha. Steps to the threshold are censored at the end of a run: Welch sees the length of the run there, which makes a slow action space look faster
-than it is; the log-rank test treats it as what it is.
+The paper's three pairs are one family, the pairs with a control another. Steps to the threshold are censored at the end of a run: Welch sees the
+length of the run there, so it compares restricted means, the mean steps within the budget; the log-rank test treats censored runs as what they are.
 """
 
 from __future__ import annotations
@@ -12,7 +11,9 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
+from scipy.stats import rankdata
 
 from ..config import Config
 from ..config.navigation import PAPER_SPACES
@@ -21,17 +22,14 @@ from ..statistics.aggregates import ratio_of_means
 from ..statistics.groups import games_howell, mann_whitney, permutation, probability_of_improvement, welch
 from ..statistics.paired import holm
 from ..statistics.survival import log_rank
-from ..tables import read_table, write_table
-from .navigation_scores import MEASURES
-
-ALPHA = 0.05
-"""Family-wise; fixed before the runs."""
+from ..tables import write_table
+from .navigation_scores import MEASURES, read_scores
 
 STEPS = "steps_to_threshold"
-CROSS_CHECKED = ("final_return", STEPS)
+CROSS_CHECKED = ("final_return", "auc", STEPS)
 """Measures with Games and Howell's test, whose studentised range takes seconds."""
 
-WELCH, HALF, LOG_RANK = "Welch", "Welch, against half of b", "log-rank"
+WELCH, RANKS, HOWELL, HALF, LOG_RANK = "Welch", "Welch, ranks", "Games-Howell", "Welch, against half of b", "log-rank"
 _EXPECTED = ("truncated", "adapted", "random-half", "full", "inverse")
 
 
@@ -51,10 +49,13 @@ def compare(scores: pd.DataFrame, config: Config) -> pd.DataFrame:
         for measure in CROSS_CHECKED
     }
     frame = pd.DataFrame([row for family, a, b in pairs(config) for row in _tests(family, a, b, groups, together, config)])
-    simultaneous = frame["test"] == "Games-Howell"
     frame["p_adjusted"] = frame["p"]
-    for _, rows in frame[~simultaneous].groupby(["family", "measure", "test"]):
+    for _, rows in frame[frame["test"] != HOWELL].groupby(["family", "measure", "test"]):
         frame.loc[rows.index, "p_adjusted"] = holm(rows["p"].to_numpy())
+    decided = frame[frame["test"] == WELCH].set_index(["a", "b", "measure"])["p_adjusted"] < config.navigation.alpha
+    same_question = ~frame["test"].isin([WELCH, HALF])
+    agrees = (frame["p_adjusted"] < config.navigation.alpha) == [decided[row] for row in zip(frame["a"], frame["b"], frame["measure"], strict=True)]
+    frame["agrees"] = np.where(same_question, np.where(agrees, "yes", "no"), "")
     return frame
 
 
@@ -66,11 +67,14 @@ def _tests(
         x, y = groups[a][measure].to_numpy(), groups[b][measure].to_numpy()
         rng = generator(config.seed, "navigation", "comparisons", a, b, measure)
         yield dict(**pair, test=WELCH, effect="Hedges' g", **welch(x, y)._asdict())
+        ranks = rankdata(np.concatenate([x, y]))
+        test = welch(ranks[: len(x)], ranks[len(x) :])
+        yield dict(**pair, test=RANKS, statistic=test.statistic, df=test.df, p=test.p, effect="Hedges' g of ranks", effect_size=test.effect_size)
         if measure in CROSS_CHECKED:
             howell = together[family, measure]
             found, sign = (howell[a, b], 1) if (a, b) in howell else (howell[b, a], -1)
             ends = sorted((sign * found.ci_low, sign * found.ci_high))
-            yield dict(**pair, test="Games-Howell", p=found.p, difference=sign * found.difference, ci_low=ends[0], ci_high=ends[1], effect="")
+            yield dict(**pair, test=HOWELL, p=found.p, difference=sign * found.difference, ci_low=ends[0], ci_high=ends[1], effect="")
         better = (y, x) if measure == STEPS else (x, y)
         improvement = probability_of_improvement(*better, rng)
         yield dict(
@@ -95,22 +99,5 @@ def _steps(pair: dict[str, str], a: pd.DataFrame, b: pd.DataFrame, rng: Any) -> 
 
 
 def write_comparisons(scores: Path, out: Path, config: Config) -> None:
-    frame = compare(read_table("navigation_scores", scores), config)
+    frame = compare(read_scores(scores, config), config)
     write_table("navigation_comparisons", frame, out, config)
-
-
-def compare_checkpoints(curves: pd.DataFrame, config: Config) -> pd.DataFrame:
-    """Welch at every checkpoint of every pair, Holm over all checkpoints and pairs of a family; `curves` is a navigation_curves table."""
-    rows = []
-    for step, evaluation in curves.groupby("step"):
-        groups = {name: runs["episode_return"].to_numpy() for name, runs in evaluation.groupby("action_space")}
-        for family, a, b in pairs(config):
-            test = welch(groups[a], groups[b])
-            rows.append((step, family, a, b, test.difference, test.ci_low, test.ci_high, test.p))
-    frame = pd.DataFrame(rows, columns=["step", "family", "a", "b", "difference", "ci_low", "ci_high", "p"])
-    frame["p_adjusted"] = frame.groupby("family")["p"].transform(lambda p: holm(p.to_numpy()))
-    return frame
-
-
-def write_checkpoints(curves: Path, out: Path, config: Config) -> None:
-    write_table("navigation_checkpoints", compare_checkpoints(read_table("navigation_curves", curves), config), out, config)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from ..config import Config
@@ -39,17 +40,32 @@ def gather_curves(parts: list[Path], out: Path, config: Config) -> None:
 
 
 def check_runs(curves: pd.DataFrame, config: Config, where: str) -> None:
-    """Raise TableError, naming them, where runs are missing, repeated, unknown or incomplete: no run may silently be dropped."""
+    """Raise TableError, naming them, where runs are missing, repeated, unknown or evaluated otherwise: no run may silently be dropped."""
     navigation = config.navigation
-    evaluations = curves.groupby(["action_space", "seed"])["step"].agg(["size", "nunique"])
-    found, wanted = set(evaluations.index), set(navigation.runs)
-    for problem, runs in (
-        ("missing", wanted - found),
-        ("not asked for", found - wanted),
-        ("repeated", set(evaluations.index[evaluations["size"] > evaluations["nunique"]])),
-        ("incomplete", set(evaluations.index[evaluations["nunique"] < navigation.checkpoints])),
-    ):
-        if runs:
-            names = ", ".join(f"{action_space} {seed}" for action_space, seed in sorted(runs)[:5])
-            more = f" and {len(runs) - 5} more" if len(runs) > 5 else ""
-            raise TableError(f"{where}: {len(runs)} of {len(wanted)} training runs {problem} ({names}{more}); nothing was written: run them again")
+    segment = navigation.steps // navigation.checkpoints
+    wanted = [segment * (k + 1) for k in range(navigation.checkpoints)]
+    check_names(curves[["action_space", "seed", "step"]], config, where)
+    runs = curves.groupby(["action_space", "seed"])
+    steps = runs["step"].agg(sorted)
+    _refuse("incomplete, or evaluated after other steps", set(steps.index[[found != wanted for found in steps]]), config, where)
+    other = runs["episodes"].agg(lambda found: (found != navigation.evaluation_episodes).any())
+    _refuse("evaluated with another number of episodes", set(other.index[other]), config, where)
+    returns = runs["episode_return"].agg(lambda found: not np.isfinite(found).all())
+    _refuse("with returns that are no numbers", set(returns.index[returns]), config, where)
+
+
+def check_names(names: pd.DataFrame, config: Config, where: str) -> None:
+    """Raise TableError unless the rows (action_space, seed, and what else tells rows apart) are of the configuration's runs, all of them, once."""
+    found, wanted = set(zip(names["action_space"], names["seed"], strict=True)), set(config.navigation.runs)
+    _refuse("missing", wanted - found, config, where)
+    _refuse("not asked for", found - wanted, config, where)
+    twice = names[names.duplicated()]
+    _refuse("repeated", set(zip(twice["action_space"], twice["seed"], strict=True)), config, where)
+
+
+def _refuse(problem: str, runs: set[tuple[str, int]], config: Config, where: str) -> None:
+    if runs:
+        names = ", ".join(f"{action_space} {seed}" for action_space, seed in sorted(runs)[:5])
+        more = f" and {len(runs) - 5} more" if len(runs) > 5 else ""
+        n = len(config.navigation.runs)
+        raise TableError(f"{where}: {len(runs)} of {n} training runs {problem} ({names}{more}); nothing was written: run them again")

@@ -1,4 +1,4 @@
-"""What each training run achieved, and a summary for each action space."""
+"""What each training run achieved: the scores that everything else is made from."""
 
 from __future__ import annotations
 
@@ -7,11 +7,8 @@ from pathlib import Path
 import pandas as pd
 
 from ..config import Config
-from ..seeding import generator
-from ..statistics.aggregates import summary
-from ..statistics.proportions import wilson_interval
 from ..tables import read_table, write_table
-from .navigation_curves import check_runs
+from .navigation_curves import check_names, check_runs
 
 MEASURES = ("final_return", "auc", "success_rate", "steps_to_threshold")
 """Scores that are compared; the first is the primary one. Of steps_to_threshold less is better."""
@@ -48,20 +45,8 @@ def write_scores(curves: Path, out: Path, config: Config) -> None:
     write_table("navigation_scores", score_runs(frame, config), out, config)
 
 
-def summarise(scores: pd.DataFrame, config: Config) -> pd.DataFrame:
-    """Mean, median and interquartile mean of every score, and the fractions of runs that reached the threshold and solved the task."""
-    rows = []
-    for action_space in config.navigation.action_spaces:
-        runs = scores[scores["action_space"] == action_space]
-        for measure in MEASURES:
-            found = summary(runs[measure].to_numpy(), generator(config.seed, "navigation", "summary", action_space, measure))
-            rows.append(dict(action_space=action_space, measure=measure, **found._asdict()))
-        for measure in ("reached", "solved"):
-            k, n = int(runs[measure].sum()), len(runs)
-            low, high = wilson_interval(k, n)
-            rows.append(dict(action_space=action_space, measure=measure, n=n, mean=k / n, mean_low=float(low), mean_high=float(high)))
-    return pd.DataFrame(rows)
-
-
-def write_summary(scores: Path, out: Path, config: Config) -> None:
-    write_table("navigation_summary", summarise(read_table("navigation_scores", scores), config), out, config)
+def read_scores(scores: Path, config: Config) -> pd.DataFrame:
+    """The table navigation_scores. Raises TableError unless every run of the configuration is there, once."""
+    frame = read_table("navigation_scores", scores)
+    check_names(frame[["action_space", "seed"]], config, str(scores))
+    return frame

@@ -68,10 +68,10 @@ def kaplan_meier(times: ArrayLike, observed: ArrayLike, confidence: float = 0.95
     return SurvivalCurve(*(np.append(first, column) for first, column in zip((0.0, len(times), 0, 1.0, 1.0, 1.0), columns, strict=True)))
 
 
-def median_time(curve: SurvivalCurve) -> float:
-    """First time at which at least half of the runs are there (survival <= 0.5); NaN if that is never reached."""
-    reached = curve.survival <= 0.5 + 1e-12  # products of fractions: one half, up to rounding
-    return float(curve.time[reached.argmax()]) if reached.any() else float("nan")
+def median_time(time: ArrayLike, survival: ArrayLike) -> float:
+    """First of the times (k,) of a survival curve at which at least half of the runs are there (survival <= 0.5); NaN if that is never reached."""
+    reached = np.asarray(survival) <= 0.5 + 1e-12  # products of fractions: one half, up to rounding
+    return float(np.asarray(time)[reached.argmax()]) if reached.any() else float("nan")
 
 
 def log_rank(times_a: ArrayLike, observed_a: ArrayLike, times_b: ArrayLike, observed_b: ArrayLike) -> LogRank:
