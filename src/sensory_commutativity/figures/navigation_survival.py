@@ -39,5 +39,5 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     axes.set_xlim(0, navigation.steps / 1000)
     axes.set_xlabel("environment steps of training (thousands)")
     axes.set_ylabel(f"runs that have not reached a mean return of {navigation.threshold_return:g}")
-    axes.set_title("Kaplan-Meier estimates, pointwise 95 % intervals; a bar at the end: censored runs", fontsize=9.5)
+    axes.set_title("Kaplan-Meier estimates, pointwise 95 % intervals; a bar at the end: censored runs", fontsize=9.5, loc="left")
     return figure
