@@ -1,0 +1,1 @@
+"""A robot in a furnished apartment, on PyBullet (paper, section III-B)."""
