@@ -57,6 +57,9 @@ def test_tables_have_the_promised_rows(finished: Path) -> None:
     assert commutation.groupby("world").size().tolist() == [64, 64]
     baselines = read_table("flatland_baselines", tables / "flatland_baselines.parquet")
     assert baselines["excess_error"].min() == 0
+    learner = (scp["world"] == config.navigation.scp_world) & (scp["agent"] == config.navigation.agent) & (scp["threshold"] == 0)
+    alone = read_table("navigation_scp", tables / "navigation_scp.parquet")
+    assert alone.to_dict("records") == scp[learner].to_dict("records") and len(alone) == 8
     curves = read_table("navigation_curves", tables / "navigation_curves.parquet")
     navigation = config.navigation
     assert len(curves) == len(navigation.runs) * navigation.checkpoints and not curves.duplicated(["action_space", "seed", "step"]).any()
@@ -84,7 +87,13 @@ def test_a_second_run_does_nothing(finished: Path) -> None:
         ("seed: 7", {"flatland_experiments_part", "flatland_commutation_part", "flatland_baselines_part", "animation"}, set()),
         ("flatland: {commutation: {experiments: 5}}", {"flatland_commutation_part"}, {"flatland_experiments_part", "flatland_baselines_part"}),
         ("flatland: {rest_steps: 4}", {"flatland_experiments_part", "flatland_commutation_part"}, {"flatland_baselines_part"}),
-        ("flatland: {thresholds: [0.0, 5.0]}", {"flatland_scp", "flatland_sensitivity"}, {"flatland_experiments_part", "flatland_commutation"}),
+        (
+            "flatland: {thresholds: [0.0, 5.0]}",
+            {"flatland_scp", "flatland_sensitivity"},
+            {"flatland_experiments_part", "flatland_commutation", "navigation_run"},
+        ),
+        ("flatland: {combinations: {experiments: 11}}", {"flatland_experiments_part", "flatland_scp"}, {"navigation_run", "navigation_scores"}),
+        ("navigation: {alpha: 0.01}", {"navigation_comparisons", "navigation_calibration"}, {"navigation_run", "navigation_scores"}),
         ("flatland: {baselines: {epochs: 3}}", {"flatland_baselines_part"}, {"flatland_experiments_part", "flatland_scp"}),
         ("navigation: {learner: {epochs: 3}}", {"navigation_run", "navigation_curves"}, {"flatland_scp", "navigation_action_spaces"}),
         ("navigation: {threshold_return: 5.0}", {"navigation_scores"}, {"navigation_run", "navigation_curves"}),
