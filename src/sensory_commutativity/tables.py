@@ -219,13 +219,14 @@ TABLES: dict[str, tuple[Column, ...]] = {
         *_INTERVAL,
     ),
     "navigation_calibration": (
-        Column("action_space", _TEXT, "", "whose runs were split; all: together, but for those whose runs are all equal"),
+        Column("method", _TEXT, "", "how two groups are made from one: random halves, or resampled with replacement to full size"),
+        Column("action_space", _TEXT, "", "whose runs were compared; all: together, but for those whose runs are all equal"),
         Column("measure", _TEXT, "", "which score"),
-        Column("splits", _INT, "1", "random halves that were compared (A/A)"),
+        Column("splits", _INT, "1", "pairs of groups that were compared (A/A)"),
         Column("rejected", _INT, "1", "how many differed significantly"),
         Column("rate", _FLOAT, "1", "their fraction"),
         Column("alpha", _FLOAT, "1", "what it should be"),
-        Column("band_low", _FLOAT, "1", "central 95 % of the rate if each split rejected with probability alpha"),
+        Column("band_low", _FLOAT, "1", "central 95 % of the rate if each comparison rejected independently with probability alpha"),
         Column("band_high", _FLOAT, "1", "its upper end"),
     ),
     "navigation_power": (

@@ -6,9 +6,10 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 from statsmodels.stats.weightstats import ttest_ind
 
-from sensory_commutativity.statistics.calibration import binomial_band, split_rejections
+from sensory_commutativity.statistics.calibration import binomial_band, resampled_rejections, split_rejections
 from sensory_commutativity.statistics.groups import welch
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -89,3 +90,23 @@ def test_binomial_band_by_hand():
 def test_what_is_refused(call, says):
     with pytest.raises(ValueError, match=says):
         call()
+
+
+def test_resampled_groups_of_normal_values_reject_at_the_level():
+    """Welch's test is right for normal values, nearly so for their empirical distribution."""
+    values = np.random.default_rng(0).normal(size=60)
+    low, high = binomial_band(0.05, 20_000, confidence=0.9999)
+    assert low - 0.003 < resampled_rejections(values, 20_000, 0.05, np.random.default_rng(1)) / 20_000 < high + 0.003
+
+
+def test_resampled_groups_are_as_large_as_the_values_and_independent():
+    """Of two values, a group of n holds a binomial number of the larger one: the rate follows from all pairs of such numbers."""
+    values, n = np.array([0.0, 0.0, 0.0, 1.0, 1.0]), 5
+    groups = [np.repeat([0.0, 1.0], [n - k, k]) for k in range(n + 1)]
+    chance = binom.pmf(range(n + 1), n, 0.4)
+    expected = sum(chance[a] * chance[b] * (welch(groups[a], groups[b]).p < 0.2) for a in range(n + 1) for b in range(n + 1))
+    assert resampled_rejections(values, 40_000, 0.2, rng()) / 40_000 == pytest.approx(expected, abs=0.01)
+
+
+def test_resampled_equal_values_are_never_rejected():
+    assert resampled_rejections(np.full(6, 0.1), 500, 0.05, np.random.default_rng(0)) == 0

@@ -227,7 +227,7 @@ def test_power_is_asked_at_two_levels_and_the_observed_effects_are_planning(scor
 def test_calibration_counts_all_splits(scores_file, config, tmp_path):
     write_calibration(scores_file, tmp_path / "c.parquet", config)
     table = read_table("navigation_calibration", tmp_path / "c.parquet")
-    for _, rows in table.groupby("measure"):
+    for _, rows in table.groupby(["method", "measure"]):
         alone, together = rows[rows["action_space"] != "all"], rows[rows["action_space"] == "all"].iloc[0]
         assert alone["rejected"].sum() == together["rejected"] and (alone["splits"] == 10).all()
 

@@ -342,7 +342,8 @@ def test_calibration_shares_the_splits_and_rounds_up(scores_file, scores, config
     write_calibration(scores_file, tmp_path / "out.parquet", config)
     table = read_table("navigation_calibration", tmp_path / "out.parquet")
     assert table["measure"].unique().tolist() == list(CALIBRATED)
-    for measure, rows in table.groupby("measure"):
+    assert table["method"].unique().tolist() == ["halves", "resampled"]
+    for (_, measure), rows in table.groupby(["method", "measure"]):
         assert rows["action_space"].tolist() == [*SPACES, "all"] and rows["splits"].tolist()[:5] == [11] * 5
         n = 11 * sum(np.ptp(values(scores, space, measure)) > 0 for space in SPACES)
         assert rows["splits"].iloc[5] == n and rows["rejected"].iloc[:5].sum() == rows["rejected"].iloc[5]

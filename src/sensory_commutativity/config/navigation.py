@@ -82,7 +82,7 @@ class NavigationConfig(Section):
     solved_success_rate: float = Field(0.9, gt=0, le=1, description="A run has solved the task if its last evaluation reaches the goal so often.")
     primary_measure: Measure = Field("final_return", description="The score that decides; a key of the table navigation_scores.")
     alpha: float = Field(0.05, gt=0, lt=0.5, description="Level of the tests, for each family of pairs together.")
-    calibration_splits: int = Field(2000, ge=10, le=1_000_000, description="Random halves of one action space's runs that are compared (A/A).")
+    calibration_splits: int = Field(2000, ge=10, le=1_000_000, description="Pairs of groups made from the same runs that are compared (A/A).")
     learner: LearnerConfig = Field(default_factory=LearnerConfig)
 
     @model_validator(mode="after")

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..config import Config, NavigationConfig
+from ..stages.navigation_calibration import HALVES, RESAMPLED
 from ..stages.navigation_comparisons import WELCH
 from ..stages.navigation_power import DETECTABLE, POWER, POWER_AT
 from ..statistics.power import power_of_t_test
@@ -41,7 +42,7 @@ def _power(axes: Axes, power: pd.DataFrame, comparisons: pd.DataFrame, navigatio
     axes.legend(loc="upper left")
 
 
-def _calibration(axes: Axes, calibration: pd.DataFrame, level: float) -> None:
+def _calibration(axes: Axes, calibration: pd.DataFrame, level: float, top: float, title: str) -> None:
     measures = list(dict.fromkeys(calibration["measure"]))
     spaces = list(dict.fromkeys(calibration["action_space"]))
     for i, measure in enumerate(measures):
@@ -53,15 +54,22 @@ def _calibration(axes: Axes, calibration: pd.DataFrame, level: float) -> None:
         axes.scatter([], [], color="#555555", marker="os^v"[i], label=MEASURE_LABELS[measure].removesuffix(" (thousands)"))
     axes.axhline(level, color="black", linewidth=0.8)
     splits = calibration.groupby("action_space", sort=False)["splits"].first()
-    axes.set_xticks(range(len(spaces)), [f"{space}\n{splits[space]:,} splits" for space in spaces], fontsize=8)
-    axes.set_ylim(0, max(0.1, 1.15 * max(calibration["rate"].max(), calibration["band_high"].max())))
-    axes.set_ylabel(f"splits with p < {level:g}")
-    axes.set_title("A/A: halves of the same runs; grey: 95 % band for a true rate of α", fontsize=9.5)
-    axes.legend(loc="upper right")
+    names = [f"{space}\n{splits[space]:,}" for space in spaces]
+    axes.set_xticks(range(len(spaces)), names, fontsize=8, rotation=30, ha="right", rotation_mode="anchor")
+    axes.set_ylim(0, top)
+    axes.set_ylabel(f"comparisons with p < {level:g}")
+    axes.set_title(title, fontsize=9)
+    axes.legend(loc="upper right", fontsize=7.5)
 
 
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
-    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 4.6))
+    figure, (left, *right) = plt.subplots(1, 3, figsize=(15, 4.6), width_ratios=[1.2, 1, 1])
+    n = len(config.navigation.seeds)
+    calibration = tables["navigation_calibration"]
+    top = max(0.1, 1.3 * max(calibration["rate"].max(), calibration["band_high"].max()))
+    titles = {RESAMPLED: f"A/A: two groups of {n} resampled from the same runs", HALVES: f"A/A: halves of the same {n} runs, {n // 2} each"}
     _power(left, tables["navigation_power"], tables["navigation_comparisons"], config.navigation)
-    _calibration(right, tables["navigation_calibration"], config.navigation.alpha)
+    for axes, (method, title) in zip(right, titles.items(), strict=True):
+        rows = calibration[calibration["method"] == method]
+        _calibration(axes, rows, config.navigation.alpha, top, f"{title}\ngrey: 95 % band if the rate is α; below: number of comparisons")
     return figure
