@@ -100,7 +100,7 @@ FROM_TABLES = tuple(
 @click.option("--models", type=click.Path(path_type=Path), required=True, help="Folder of the trained policies.")
 @with_out
 def navigation_episode(config: Config, action_space: str, navigation_scores: Path, models: Path, out: Path) -> None:
-    """Animate an episode of the median run of an action space, as a GIF."""
+    """Animate the first evaluation episodes of the median run of an action space, as a GIF."""
     from ..figures.navigation_episode import animate_episode
 
     if action_space not in config.navigation.action_spaces:
