@@ -282,7 +282,7 @@ def test_all_profiles_agree_with_the_checks():
     for profile in ("paper", "test"):
         check_navigation(load(DEFAULT, ROOT / "config" / f"{profile}.yaml"))
     paper = load(DEFAULT, ROOT / "config" / "paper.yaml").navigation
-    assert len(paper.seeds) == 30 and len(paper.runs) == 150
+    assert len(paper.seeds) == 60 and len(paper.runs) == 300
 
 
 @pytest.mark.parametrize("arguments", [["--action-space", "short", "--seed", "0"], ["--action-space", "full", "--seed", "7"]])
