@@ -21,7 +21,8 @@ _WIDEST = 2.5
 def _power(axes: Axes, power: pd.DataFrame, comparisons: pd.DataFrame, navigation: NavigationConfig) -> None:
     n, level, primary = len(navigation.seeds), navigation.alpha, navigation.primary_measure
     effects = np.linspace(0.02, _WIDEST, 60)
-    for alpha, colour, style, name in ((level, BLUE, "-", f"α = {level:g}"), (level / 3, ORANGE, "--", f"α = {level:g} / 3, three pairs")):
+    lines = ((level, BLUE, "-", f"α = {level:g}", "right"), (level / 3, ORANGE, "--", f"α = {level:g} / 3, three pairs", "left"))
+    for alpha, colour, style, name, side in lines:
         rows = power[np.isclose(power["alpha"], alpha)]
         axes.plot(effects, [power_of_t_test(d, n, alpha) for d in effects], color=colour, linestyle=style, label=name)
         at = rows[rows["question"] == POWER_AT]
@@ -29,17 +30,17 @@ def _power(axes: Axes, power: pd.DataFrame, comparisons: pd.DataFrame, navigatio
         found = rows[rows["question"] == DETECTABLE].iloc[0]
         if found["effect_size"] < _WIDEST:
             axes.plot([found["effect_size"]] * 2, [0, POWER], color=colour, linewidth=0.8, linestyle=":")
-            axes.text(found["effect_size"], 0.02, f" {found['effect_size']:.2f}", fontsize=7.5, color=colour)
+            axes.text(found["effect_size"], 0.02, f" {found['effect_size']:.2f} ", fontsize=7.5, color=colour, ha=side)
     welch = comparisons[(comparisons["test"] == WELCH) & (comparisons["family"] == "paper") & (comparisons["measure"] == primary)]
-    lines = [f"observed |g| ({MEASURE_LABELS[primary]})", *(f"{row['a']} − {row['b']}: {abs(row['effect_size']):.2f}" for _, row in welch.iterrows())]
-    axes.text(0.98, 0.06, "\n".join(lines), transform=axes.transAxes, fontsize=7.5, ha="right", va="bottom")
+    notes = [f"observed |g| ({MEASURE_LABELS[primary]})", *(f"{row['a']} − {row['b']}: {abs(row['effect_size']):.2f}" for _, row in welch.iterrows())]
+    axes.text(0.98, 0.06, "\n".join(notes), transform=axes.transAxes, fontsize=7.5, ha="right", va="bottom")
     axes.axhline(POWER, color=GREY, linewidth=0.8, linestyle=":")
     axes.set_ylim(0, 1.03)
     axes.set_xlim(0, _WIDEST)
     axes.set_xlabel("true difference of means / standard deviation")
     axes.set_ylabel("probability that Welch's test finds it")
     axes.set_title(f"power with n = {n} runs of each action space; dots: the table", fontsize=9.5)
-    axes.legend(loc="upper left")
+    axes.legend(loc="center right")
 
 
 def _calibration(axes: Axes, calibration: pd.DataFrame, level: float, top: float, title: str) -> None:
