@@ -13,6 +13,8 @@ import platform
 import statistics
 import time
 from collections.abc import Callable
+from functools import cache
+from itertools import count
 
 import numpy as np
 
@@ -97,24 +99,65 @@ def learning_steps() -> float:
     return n / (time.perf_counter() - begin)
 
 
+@cache
+def _apartment():
+    """Fetch in the stand-in for Rs, the features, and a counter of start situations."""
+    import torch
+
+    from sensory_commutativity.worlds.apartment.from_config import perceptual_features, world_of_run
+
+    torch.set_num_threads(1)
+    config = load("config/default.yaml")
+    return config, world_of_run(config, config.apartment.runs()[0]), perceptual_features(config), count()
+
+
+def camera_frames() -> float:
+    """Pictures of 128 x 128 pixels with 2 x 2 samples and object ids per second, from random start situations of Fetch in the stand-in for Rs."""
+    from sensory_commutativity.worlds.apartment.camera import Camera
+
+    _, world, _, _ = _apartment()
+    camera, rng, elapsed = Camera(128, 128, 90.0, 2), generator(1, "bench"), 0.0
+    for _ in range(10):
+        world.reset(rng)
+        eye, poses = world.simulation.eye_pose(), world.simulation.poses()
+        begin = time.perf_counter()
+        for _ in range(30):
+            world.renderer.render(camera, eye, poses)
+        elapsed += time.perf_counter() - begin
+    return 300 / elapsed
+
+
+def apartment_experiments() -> float:
+    """SC-experiments of Fetch in the stand-in for Rs per second, all degrees of freedom; starts, both fields of view and features included."""
+    from sensory_commutativity.stages.apartment_experiments import run_experiments as run_apartment
+
+    config, world, features, numbers = _apartment()
+    start = 2 * next(numbers)
+    begin = time.perf_counter()
+    run_apartment(config, config.apartment.runs()[0], world, features, start, start + 2)
+    return 2 * len(world.dofs) / (time.perf_counter() - begin)
+
+
 MEASURES: tuple[tuple[str, Callable[[], float], float | None], ...] = (
     ("world: steps with observation / s (10 things)", world_steps, 30_000),
     ("world: the same from single Python calls / s", single_steps, None),
     ("vectorised environment: steps / s (32 rooms, resets)", vector_steps, 30_000),
     ("world: resets / s (10 things)", resets, None),
     ("SC-experiments / s (furnished room, 50 actions)", sc_experiments, None),
+    ("camera: frames / s (apartment, 128 x 128, 2 x 2 samples)", camera_frames, 700),
+    ("SC-experiments / s (Fetch, apartment, features)", apartment_experiments, 2_000 / 720),
     ("training run: steps / s, learning included (32 rooms)", learning_steps, 5_000),
 )
 
 
 def main() -> None:
     print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}; one core used, {REPEATS} repeats\n")
-    print(f"{'measure':54s} {'min':>9s} {'median':>9s} {'max':>9s} {'at least':>9s}")
+    print(f"{'measure':58s} {'min':>9s} {'median':>9s} {'max':>9s} {'at least':>9s}")
     for name, measure, wanted in MEASURES:
         measure()  # warm-up: compile, fill caches
         values = sorted(measure() for _ in range(REPEATS))
-        goal = f"{wanted:9,.0f}" if wanted else ""
-        print(f"{name:54s} {values[0]:9,.0f} {statistics.median(values):9,.0f} {values[-1]:9,.0f} {goal}")
+        shown = [values[0], statistics.median(values), values[-1], *([wanted] if wanted else [])]
+        print(f"{name:58s} " + " ".join(f"{value:9,.0f}" if value >= 100 else f"{value:9.2f}" for value in shown), flush=True)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@ Nothing here knows a world; a world is whatever has the five methods of :class:`
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +19,13 @@ REST_STEPS = 3
 """Steps without a command that end each order, so that what is compared is at rest; chosen: in Flatland's free space one is enough."""
 
 
+class Ending(NamedTuple):
+    """How one order ended: what is sensed at rest, and what the world tells of what happened (nothing, where it has no ``happened``)."""
+
+    observation: np.ndarray
+    happened: Any
+
+
 class Outcome(NamedTuple):
     """The two final observations of an experiment."""
 
@@ -25,11 +33,17 @@ class Outcome(NamedTuple):
     second: np.ndarray
 
 
-def final_observation(world: World, start: Snapshot, sequence: np.ndarray, rest_steps: int = REST_STEPS) -> np.ndarray:
-    """What is sensed after `sequence`, float (steps, n_dofs), has been played from `start` and the agent has come to rest."""
+def ending(world: World, start: Snapshot, sequence: np.ndarray, rest_steps: int = REST_STEPS) -> Ending:
+    """Play `sequence`, float (steps, n_dofs), from `start` until the agent has come to rest."""
     world.restore(start)
     play(world, compose(sequence, no_op(rest_steps, sequence.shape[1])))
-    return world.observe()
+    happened = getattr(world, "happened", None)
+    return Ending(world.observe(), happened() if happened else None)
+
+
+def final_observation(world: World, start: Snapshot, sequence: np.ndarray, rest_steps: int = REST_STEPS) -> np.ndarray:
+    """What is sensed after `sequence`, float (steps, n_dofs), has been played from `start` and the agent has come to rest."""
+    return ending(world, start, sequence, rest_steps).observation
 
 
 def compare_orders(world: World, start: Snapshot, first: np.ndarray, second: np.ndarray, rest_steps: int = REST_STEPS) -> Outcome:
@@ -69,8 +83,24 @@ def distances_per_dof(
     world.reset(generator(seed, "situation"))
     start = world.snapshot()
     found = {}
+    for dof, sequence, permuted in orders_per_dof(world, seed, length):
+        found[dof] = distance(*compare_orders(world, start, sequence, permuted, rest_steps))
+    return found
+
+
+def endings_per_dof(world: World, seed: int, length: int, rest_steps: int = REST_STEPS) -> dict[str, tuple[Ending, Ending]]:
+    """As :func:`distances_per_dof`, but how both orders ended, for distances that are computed later and for what happened on the way."""
+    world.reset(generator(seed, "situation"))
+    start = world.snapshot()
+    return {
+        dof: (ending(world, start, sequence, rest_steps), ending(world, start, permuted, rest_steps))
+        for dof, sequence, permuted in orders_per_dof(world, seed, length)
+    }
+
+
+def orders_per_dof(world: World, seed: int, length: int) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """Degree of freedom, a random sequence of it and a random permutation of that, for every degree of freedom, from streams of its own name."""
     for k, dof in enumerate(world.dofs):
         rng = generator(seed, "sequence", dof.name)
         sequence = sample_sequence(rng, length, k, len(world.dofs))
-        found[dof.name] = distance(*sc_experiment(world, start, sequence, rng, rest_steps))
-    return found
+        yield dof.name, sequence, permute(rng, sequence)

@@ -13,7 +13,7 @@ from .config import Config
 
 PACKAGES = (
     "sensory-commutativity", "numpy", "pymunk", "numba", "scipy", "statsmodels", "torch", "pandas", "pyarrow",
-    "gymnasium", "stable-baselines3", "sb3-contrib",
+    "gymnasium", "stable-baselines3", "sb3-contrib", "pybullet", "trimesh", "fast-simplification",
 )  # fmt: skip
 
 

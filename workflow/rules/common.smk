@@ -11,6 +11,7 @@ from sensory_commutativity.figures.catalogue import FIGURES
 from sensory_commutativity.figures.catalogue import COMPARED
 from sensory_commutativity.folders import check_writable
 from sensory_commutativity.navigation.from_config import check_navigation
+from sensory_commutativity.worlds.apartment.from_config import check_apartment
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
 from sensory_commutativity.worlds.flatland.from_config import check_rooms
 
@@ -18,6 +19,7 @@ try:
     CONFIG = validate(config)
     check_writable(CONFIG.folder)
     check_rooms(CONFIG)
+    check_apartment(CONFIG)
     check_navigation(CONFIG)
 except UserError as error:
     print(f"error: {error}", file=sys.stderr)
@@ -35,6 +37,7 @@ RESOLVED = (
 )  # no rule's input: what a rule depends on is in its params
 
 FLATLAND = CONFIG.flatland
+APARTMENT = CONFIG.apartment
 NAVIGATION = CONFIG.navigation
 RUNS = {f"{run.world}.{run.agent}.{run.length}": run for run in FLATLAND.runs()}
 DOFS = [dof.name for dof in Polyphemus().dofs]
@@ -45,6 +48,9 @@ wildcard_constraints:
     agent="|".join(FLATLAND.agents),
     dof="|".join(DOFS),
     length=r"\d+",
+    robot="|".join(APARTMENT.robots),
+    scene="|".join(APARTMENT.scenes),
+    start="anywhere|within-reach",
     action_space="|".join(NAVIGATION.action_spaces),
     seed=r"\d+",
     part=r"\d+",

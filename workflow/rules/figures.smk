@@ -11,9 +11,17 @@ def figures():
 
 CATEGORIES = {
     "flatland": "Flatland",
+    "apartment": "Apartment",
     "navigation": "Navigation",
     "paper": "The paper's claims",
 }
+
+
+def drawn_from(figure):
+    """Settings that a figure depends on, beside its tables."""
+    if figure.startswith("apartment"):
+        return apartment_settings()
+    return digest(FLATLAND, NAVIGATION if figure.startswith("navigation") else None)
 
 
 for figure, needed in FIGURES.items():
@@ -36,9 +44,7 @@ for figure, needed in FIGURES.items():
         params:
             figure=figure,
             tables=TABLES,
-            settings=digest(
-                FLATLAND, NAVIGATION if figure.startswith("navigation") else None
-            ),
+            settings=drawn_from(figure),
         message:
             "drawing {params.figure}"
         shell:
@@ -98,7 +104,7 @@ rule paper_comparison:
         LOGS / "paper_comparison.log",
     params:
         tables=TABLES,
-        settings=digest(FLATLAND, NAVIGATION),
+        settings=digest(FLATLAND, NAVIGATION, apartment_settings()),
     message:
         "setting the paper's claims beside ours"
     shell:

@@ -12,7 +12,7 @@ import sys
 import click
 
 from ..errors import UserError
-from . import figures, flatland, navigation, settings
+from . import apartment, figures, flatland, navigation, settings
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
 
@@ -29,6 +29,10 @@ def main() -> None:
 
 for _command in (
     figures.animation,
+    apartment.apartment_experiments,
+    apartment.apartment_experiments_part,
+    apartment.apartment_ready,
+    *apartment.FROM_EXPERIMENTS,
     settings.check,
     figures.figure,
     flatland.flatland_alternatives,

@@ -4,12 +4,15 @@ One typed model per stage; unknown keys are refused; what depends on several key
 ``config/schema.json`` is generated from these models (``sensory-commutativity schema``), and a test fails when they drift apart.
 """
 
+from .apartment import ApartmentConfig, ApartmentRun
 from .flatland import BaselinesConfig, FlatlandConfig, Run
 from .loading import joint_range, json_schema, load, merge, validate, write_resolved
 from .navigation import LearnerConfig, NavigationConfig
 from .whole import Config
 
 __all__ = [
+    "ApartmentConfig",
+    "ApartmentRun",
     "BaselinesConfig",
     "Config",
     "FlatlandConfig",

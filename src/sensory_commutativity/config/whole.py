@@ -9,6 +9,7 @@ from typing import Annotated
 
 from pydantic import Field, StringConstraints, model_validator
 
+from .apartment import ApartmentConfig
 from .flatland import FlatlandConfig
 from .navigation import NavigationConfig
 from .section import Name, Section, known
@@ -23,6 +24,7 @@ class Config(Section):
     )
     seed: int = Field(ge=0, lt=2**63, description="The root seed; everything random follows from it.")
     flatland: FlatlandConfig
+    apartment: ApartmentConfig
     navigation: NavigationConfig
 
     @model_validator(mode="after")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 COMPARED = (
     "flatland_scp", "flatland_comparisons", "flatland_trends", "flatland_commutation", "flatland_baselines", "flatland_alternatives",
-    "navigation_summary", "navigation_comparisons",
+    "apartment_scp", "apartment_hierarchy", "apartment_order", "navigation_summary", "navigation_comparisons",
 )  # fmt: skip
 """Tables that the table paper_comparison is made from."""
 
@@ -16,6 +16,11 @@ FIGURES: dict[str, tuple[str, ...]] = {
     "flatland_commutation": ("flatland_commutation",),
     "flatland_sensitivity": ("flatland_sensitivity",),
     "flatland_free_space": ("flatland_scp",),
+    "apartment_world": (),
+    "apartment_plans": (),
+    "apartment_scp": ("apartment_scp",),
+    "apartment_order": ("apartment_scp", "apartment_order"),
+    "apartment_interaction": ("apartment_interaction",),
     "navigation_learning": ("navigation_curves", "navigation_checkpoints"),
     "navigation_action_spaces": ("navigation_action_spaces",),
     "navigation_scores": ("navigation_scores", "navigation_summary"),

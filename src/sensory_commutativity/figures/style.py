@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import matplotlib
 
@@ -18,6 +19,9 @@ from matplotlib.figure import Figure
 from ..config import Config
 from ..tables import read_table, written_whole
 from .catalogue import FIGURES
+
+if TYPE_CHECKING:
+    from ..worlds.apartment.robot import Robot
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
@@ -60,6 +64,20 @@ _RC = {
     "savefig.dpi": 160,
     "pdf.fonttype": 42,
 }
+
+
+def group_colours(robot: Robot) -> dict[str, str]:
+    """Colour of each group of a robot's degrees of freedom, in the order in which it names them."""
+    groups = list(dict.fromkeys(dof.group for dof in robot.description.dofs))
+    palette = (BLUE, VERMILION, ORANGE, GREEN, PURPLE, SKY, GREY, BLACK)
+    return {group: palette[i % len(palette)] for i, group in enumerate(groups)}
+
+
+def dof_styles(robot: Robot) -> dict[str, dict[str, str]]:
+    """How each degree of freedom of a robot is drawn as a line: colour of its group, marker and dashes of its own."""
+    colours = group_colours(robot)
+    ways = [(marker, line) for line in ("-", "--", ":") for marker in "os^vD"]
+    return {dof.name: dict(color=colours[dof.group], marker=ways[i][0], linestyle=ways[i][1]) for i, dof in enumerate(robot.description.dofs)}
 
 
 def dof_label(dof: str, lines: bool = False) -> str:

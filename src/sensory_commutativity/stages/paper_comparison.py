@@ -1,4 +1,5 @@
-"""The paper's claims, each decided by a rule that was fixed before the run; those about learning are in :mod:`.navigation_claims`.
+"""The paper's claims, each decided by a rule that was fixed before the run; those about robots and about
+learning are in :mod:`.apartment_claims` and :mod:`.navigation_claims`.
 
 The paper prints its SCP values as bars only, so most claims are orders and equalities. The rules:
 
@@ -22,6 +23,7 @@ from ..config import Config
 from ..figures.catalogue import COMPARED
 from ..statistics.hierarchy import ALPHA, HIERARCHY, LEFT_AND_RIGHT, ordered_difference
 from ..tables import TABLES, read_table, write_table
+from .apartment_claims import apartment_claims
 from .claims import Claim, p_of_claim
 from .navigation_claims import navigation_claims
 
@@ -46,6 +48,7 @@ def compare_with_paper(tables: dict[str, pd.DataFrame], config: Config) -> list[
         _philipona(tables["flatland_commutation"], reference.world, "where things move by themselves"),
         _philipona(tables["flatland_commutation"], config.flatland.commutation.settled_world, "where nothing moves by itself"),
         *_alternatives(tables["flatland_baselines"].set_index("dof"), tables["flatland_alternatives"].set_index("alternative")),
+        *apartment_claims(tables, config),
         *navigation_claims(tables["navigation_summary"], tables["navigation_comparisons"], config),
     ]
 

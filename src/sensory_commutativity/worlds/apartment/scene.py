@@ -11,9 +11,15 @@ from typing import Literal
 
 import numpy as np
 
+from ...errors import UserError
+
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 UPRIGHT: Quaternion = (0.0, 0.0, 0.0, 1.0)
+
+
+class SceneError(UserError):
+    """A scene's file is not valid."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""How different two pictures look: distances of features of a network that was trained to see."""

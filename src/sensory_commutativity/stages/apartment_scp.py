@@ -1,0 +1,17 @@
+"""The SCP of every degree of freedom of every robot, at all thresholds and fields of view (paper, Fig. "iGibson", right, and appendix C)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..config import Config
+from ..estimate import sensory_commutativity_probability
+from ..tables import read_table, write_table
+
+CONDITION = ["robot", "apartment", "start", "length", "field_of_view"]
+
+
+def write_scp(experiments: Path, out: Path, config: Config) -> None:
+    """A row per condition, degree of freedom and threshold."""
+    frame = read_table("apartment_experiments", experiments)
+    write_table("apartment_scp", sensory_commutativity_probability(frame, [*CONDITION, "dof"], config.apartment.thresholds), out, config)

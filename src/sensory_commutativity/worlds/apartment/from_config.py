@@ -1,0 +1,117 @@
+"""The apartment worlds that the configuration names, and what has to be there before any of them is used."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ...config import ApartmentConfig, ApartmentRun, Config
+from ...errors import ConfigError, UserError
+from ...perceptual.features import PerceptualFeatures
+from ...perceptual.weights import vgg16_weights
+from ...seeding import generator
+from . import geometry
+from .camera import Camera
+from .robot import load_robot
+from .scene import Area, Fixture, Part, Scene
+from .scenefile import load_scene
+from .world import ApartmentWorld
+
+FLOOR_EXTENT = 30.0
+"""Metres from the middle of an empty floor to where it ends, for the eye only; chosen: there it is as high as half a pixel below the horizon."""
+START_EXTENT = 2.0
+"""Metres: a robot starts so near to the middle of an empty floor; chosen: as in a large room."""
+
+
+def empty_floor(name: str) -> Scene:
+    """A floor that never ends, tiled, so that a robot sees where it is, with nothing on it."""
+    mesh = geometry.placed(geometry.box((FLOOR_EXTENT, FLOOR_EXTENT, 0.01)), (0.0, 0.0, -0.01))
+    seen = Fixture("floor", (Part(mesh, (0.8, 0.75, 0.7), "checker"),), ())
+    return Scene(name, (seen,), (), (Area("floor", (-START_EXTENT, START_EXTENT), (-START_EXTENT, START_EXTENT)),))
+
+
+def scene_of(settings: ApartmentConfig, scene: str) -> Scene:
+    """The scene that apartment.scenes.`scene` describes; a scene without a file is an empty floor."""
+    file = settings.scenes[scene].file
+    return empty_floor(scene) if file is None else load_scene(file)
+
+
+def apartment_world(config: Config, robot: str, scene: str, start: str, views: Sequence[float] = ()) -> ApartmentWorld:
+    """The robot in the scene, both by name, seen through fields of view in degrees; through the first of the configuration's if none are given."""
+    settings = config.apartment
+    size, within = settings.image_size, settings.reach if start == "within-reach" else None
+    cameras = [Camera(size, size, float(view), settings.supersampling) for view in views or settings.fields_of_view[:1]]
+    return ApartmentWorld(scene_of(settings, scene), load_robot(settings.robots[robot].description), cameras, within)
+
+
+def world_of_run(config: Config, run: ApartmentRun) -> ApartmentWorld:
+    """The world in which a run's experiments take place."""
+    return apartment_world(config, run.robot, run.scene, run.start, config.apartment.views(run))
+
+
+def perceptual_features(config: Config) -> PerceptualFeatures:
+    """What compares pictures. Raises WeightsError where no weights can be had."""
+    return PerceptualFeatures(vgg16_weights(config.apartment.weights))
+
+
+def settings_of_run(config: Config, run: ApartmentRun) -> str:
+    """Everything in the configuration that a run's experiments depend on, the contents of the files that it names among it."""
+    settings = config.apartment
+    robot, scene = settings.robots[run.robot].description, settings.scenes[run.scene].file
+    files = [Path(path).read_text(encoding="utf-8") for path in (robot, scene) if path is not None]
+    keys = ("rest_steps", "fields_of_view", "image_size", "supersampling", "reach")
+    return json.dumps([files, {key: getattr(settings, key) for key in keys}])
+
+
+def check_apartment(config: Config) -> None:
+    """Raise UserError for a robot or a scene that cannot be loaded; quick, no simulation is made."""
+    settings = config.apartment
+    for robot in settings.robots.values():
+        load_robot(robot.description)
+    for run in settings.runs():
+        scene_of(settings, run.scene)
+
+
+TRIED = 3
+
+
+def check_ready(config: Config) -> dict[str, str]:
+    """What only trying can tell, before the long work: the weights are there, and every run finds start situations.
+
+    Returns
+    -------
+    dict
+        Where the weights are from, and their hash.
+
+    Raises
+    ------
+    UserError
+        With what is missing, where, and the remedy.
+    """
+    weights = vgg16_weights(config.apartment.weights)
+    for robot, scene, start in dict.fromkeys(run[:3] for run in config.apartment.runs()):
+        try:
+            world = apartment_world(config, robot, scene, start)
+            for i in range(TRIED):
+                world.reset(generator(config.seed, "check", robot, scene, start, i))
+        except ConfigError:
+            raise
+        except UserError as error:
+            raise ConfigError(f"config: apartment.robots.{robot} in apartment.scenes.{scene}: {error}") from None
+        world.simulation.close()
+    return dict(weights=weights.source, sha256=weights.sha256)
+
+
+def start_poses(config: Config, robot: str, scene: str, start: str, n: int) -> np.ndarray:
+    """Where the first `n` experiments of a run start: float64 (n, 3), x, y in metres and heading in rad."""
+    from ...seeding import seed_for
+
+    world, found = apartment_world(config, robot, scene, start), np.empty((n, 3))
+    for i in range(n):
+        world.reset(generator(seed_for(config.seed, "apartment", robot, scene, start, i), "situation"))
+        found[i] = world.simulation.base()
+    world.simulation.close()
+    return found

@@ -1,0 +1,150 @@
+"""From SC-experiments in apartments to SCP, hierarchy, stability of the order, true interaction and claims, on made-up experiments."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy import stats
+
+from sensory_commutativity.config import Config, load
+from sensory_commutativity.stages.apartment_claims import apartment_claims
+from sensory_commutativity.stages.apartment_hierarchy import group_steps, paired_means, write_hierarchy
+from sensory_commutativity.stages.apartment_interaction import interactions
+from sensory_commutativity.stages.apartment_order import compare_orders_of_dofs
+from sensory_commutativity.stages.apartment_scp import write_scp
+from sensory_commutativity.tables import TABLES, read_table, write_table
+from sensory_commutativity.worlds.apartment.robot import load_robot
+
+from ..helpers import DEFAULT
+
+N = 40
+SCP = {
+    "fetch": dict(zip(
+        ["right-wheel", "left-wheel", "torso-lift", "shoulder-pan", "shoulder-lift", "upperarm-roll", "elbow-flex", "forearm-roll", "wrist-flex",
+         "wrist-roll"], [0.2, 0.2, 1.0, 0.5, 0.5, 0.7, 0.75, 0.9, 0.9, 0.95], strict=True)),
+    "jackrabbot": None,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def config() -> Config:
+    return load(DEFAULT)
+
+
+def made_up(config: Config, scp: dict[str, dict[str, float]]) -> pd.DataFrame:
+    """Every run of the configuration, with N experiments; a fraction of each degree of freedom's experiments commutes at every threshold."""
+    rows = []
+    for run in config.apartment.runs():
+        for d, (dof, value) in enumerate(scp[run.robot].items()):
+            for i in range(N):
+                commutes = (i * 7 + d) % N < round(value * N)
+                for view in config.apartment.fields_of_view:
+                    touched = 0 if commutes else 3
+                    rows.append((*run[:4], dof, i, 1, view, touched, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.1, 5.0 if commutes else 900.0))
+    return pd.DataFrame(rows, columns=[column.name for column in TABLES["apartment_experiments"]])
+
+
+@pytest.fixture(scope="module")
+def scp(config) -> dict[str, dict[str, float]]:
+    jackrabbot = load_robot(config.apartment.robots["jackrabbot"].description)
+    groups = {dof: i for i, dofs in enumerate(jackrabbot.hierarchy.values()) for dof in dofs}
+    return {**SCP, "jackrabbot": {dof: 0.2 + 0.2 * i for dof, i in groups.items()}}
+
+
+@pytest.fixture(scope="module")
+def experiments(config, scp) -> pd.DataFrame:
+    return made_up(config, scp)
+
+
+@pytest.fixture
+def file(experiments, config, tmp_path):
+    write_table("apartment_experiments", experiments, tmp_path / "e.parquet", config)
+    return tmp_path / "e.parquet"
+
+
+def test_the_scp_is_counted_at_every_threshold(file, config, scp, tmp_path):
+    write_scp(file, tmp_path / "scp.parquet", config)
+    table = read_table("apartment_scp", tmp_path / "scp.parquet")
+    assert len(table) == sum(len(scp[run.robot]) for run in config.apartment.runs()) * len(config.apartment.thresholds) * 2
+    zero = table[(table["threshold"] == 0) & (table["robot"] == "fetch")]
+    assert (zero["scp"] == 0).all()
+    for row in table[(table["threshold"] == 50) & (table["robot"] == "fetch")].itertuples():
+        assert row.n == N and row.scp == pytest.approx(scp["fetch"][row.dof], abs=1 / N) and row.ci_low <= row.scp <= row.ci_high
+
+
+def test_steps_of_the_hierarchy_by_hand():
+    distance = {"a": [900, 900, 900, 5], "b": [900, 5, 900, 5], "c": [5, 5, 5, 900]}
+    frame = pd.DataFrame([(dof, i, float(d)) for dof, ds in distance.items() for i, d in enumerate(ds)], columns=["dof", "experiment", "distance"])
+    table = group_steps(frame, {"low": ["a", "b"], "high": ["c"]}, 50)
+    expected = np.array([0 - 1, 0.5 - 1, 0 - 1, 1 - 0])
+    assert table[["lower", "higher", "n"]].values.tolist() == [["low", "high", 4]]
+    row = table.iloc[0]
+    assert (row["scp_lower"], row["scp_higher"], row["difference"]) == pytest.approx((3 / 8, 3 / 4, expected.mean()))
+    assert row["p"] == pytest.approx(stats.ttest_1samp(expected, 0).pvalue) and row["ci_low"] < row["difference"] < row["ci_high"]
+
+
+def test_equal_differences_need_no_test():
+    assert paired_means(np.zeros(5)) == (0, 0, 1) and paired_means(np.full(5, -0.5)) == (-0.5, -0.5, 0)
+
+
+def test_the_hierarchy_of_both_robots_is_written(file, config, tmp_path):
+    write_hierarchy(file, tmp_path / "h.parquet", config)
+    table = read_table("apartment_hierarchy", tmp_path / "h.parquet")
+    fetch = table[(table["robot"] == "fetch") & (table["threshold"] == 50) & (table["start"] == "anywhere") & (table["length"] == 50)]
+    steps = fetch[(fetch["apartment"] == "rs-stand-in") & (fetch["field_of_view"] == 90)]
+    assert steps[["lower", "higher"]].values.tolist() == [["wheel", "shoulder"], ["shoulder", "elbow"], ["elbow", "wrist"]]
+    assert (steps["difference"] < 0).all() and (steps["p_adjusted"] >= steps["p"]).all()
+    assert {"fetch", "jackrabbot"} == set(table["robot"])
+
+
+def test_the_same_order_has_tau_one_and_every_change_is_there(experiments, config):
+    table = compare_orders_of_dofs(experiments, config)
+    changed = table.groupby("changed").size().to_dict()
+    assert changed == {"threshold": 5, "field of view": 1, "apartment": 2, "start": 1, "length": 2}
+    assert table.loc[table["value"].isin(["20", "100", "200"]), "tau"].tolist() == pytest.approx([1, 1, 1])
+    assert np.isnan(table.loc[table["value"] == "0", "tau"]).all()  # nothing commutes at 0 here: no order
+    assert (table.loc[table["changed"] != "threshold", "tau"] > 0.99).all() and (table["n"] == N).all()
+
+
+def test_true_interaction_is_split_into_three(experiments, config):
+    frame = experiments.copy()
+    half = frame["experiment"] < N // 2
+    frame["touched_fixed"] = np.where(half, 2, 0)
+    frame["at_limit"] = np.where(frame["experiment"] % 2 == 0, 1, 0)
+    table = interactions(frame, 50, 90.0)
+    assert (table["touched"] == 0.5).all() and (table["n_touched"] == N // 2).all()
+    assert (table["n_hindered"] == N // 4).all() and (table["n_free"] == N // 4).all()
+    commuted = table[["commuted_touched", "commuted_hindered", "commuted_free"]].sum(axis=1)
+    assert (commuted == (table["scp"] * N).round()).all()
+
+
+def claims(experiments, config, tmp_path) -> dict[str, bool]:
+    write_table("apartment_experiments", experiments, tmp_path / "e.parquet", config)
+    write_scp(tmp_path / "e.parquet", tmp_path / "scp.parquet", config)
+    write_hierarchy(tmp_path / "e.parquet", tmp_path / "h.parquet", config)
+    tables = dict(
+        apartment_scp=read_table("apartment_scp", tmp_path / "scp.parquet"),
+        apartment_hierarchy=read_table("apartment_hierarchy", tmp_path / "h.parquet"),
+        apartment_order=compare_orders_of_dofs(experiments, config),
+    )
+    return {claim.claim: claim.holds for claim in apartment_claims(tables, config)}
+
+
+def test_all_claims_hold_where_all_is_as_the_paper_says(experiments, config, tmp_path):
+    found = claims(experiments, config, tmp_path)
+    assert len(found) == 6 and all(found.values()), found
+
+
+@pytest.mark.parametrize(
+    ("dof", "value", "fails"),
+    [
+        ("left-wheel", 0.6, "fetch: the wheels have the lowest SCP"),
+        ("torso-lift", 0.9, "fetch: torso-lift always commutes"),
+        ("wrist-roll", 0.3, "fetch: the SCP rises along wheel < shoulder < elbow < wrist"),
+    ],
+)
+def test_a_claim_fails_where_it_does_not_hold(dof, value, fails, scp, config, tmp_path):
+    changed = {**scp, "fetch": {**scp["fetch"], dof: value}}
+    found = claims(made_up(config, changed), config, tmp_path)
+    assert not found[fails] and found["jackrabbot: the wheels have the lowest SCP"]

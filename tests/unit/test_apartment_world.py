@@ -1,0 +1,162 @@
+"""A robot in an apartment as a world: it promises what every world does, starts where it should, and says so when it cannot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sensory_commutativity.config import load, merge, validate
+from sensory_commutativity.errors import ConfigError
+from sensory_commutativity.experiment import endings_per_dof
+from sensory_commutativity.stages.apartment_experiments import run_experiments
+from sensory_commutativity.tables import TABLES
+from sensory_commutativity.worlds.apartment.camera import Camera
+from sensory_commutativity.worlds.apartment.from_config import apartment_world, check_apartment, empty_floor
+from sensory_commutativity.worlds.apartment.robot import load_robot
+from sensory_commutativity.worlds.apartment.scene import Area, Fixture, Scene, Solid
+from sensory_commutativity.worlds.apartment.starts import StartError, draw_start
+from sensory_commutativity.worlds.apartment.world import ApartmentWorld
+from sensory_commutativity.worlds.base import World
+
+from ..helpers import DEFAULT
+from .test_apartment_robot import written as write_robot
+from .test_apartment_scenes import room_mesh
+from .test_apartment_scenes import written as write_scene
+
+ROBOTS = Path(__file__).parents[2] / "config" / "robots"
+SMALL = Camera(32, 32, 90.0, 2)
+
+
+class CountedPixels:
+    """Stands in for VGG16 where only the plumbing is tested: the number of unequal pixels."""
+
+    def distances(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        return (first != second).any(-1).sum((1, 2)).astype(float)
+
+
+@pytest.fixture(scope="module")
+def config():
+    return load(DEFAULT)
+
+
+@pytest.fixture(scope="module")
+def home(config):
+    world = apartment_world(config, "fetch", "rs-stand-in", "anywhere", (90.0, 45.0))
+    yield world
+    world.simulation.close()
+
+
+@pytest.fixture(scope="module")
+def floor():
+    world = ApartmentWorld(empty_floor("free"), load_robot(ROBOTS / "jackrabbot.yaml"), (SMALL,))
+    yield world
+    world.simulation.close()
+
+
+def test_it_is_a_world_and_starts_are_valid_and_reproducible(home):
+    assert isinstance(home, World)
+    poses = []
+    for seed in (0, 1, 0):
+        home.reset(np.random.default_rng(seed))
+        assert not home.simulation.penetrates() and not any(home.simulation.touches()[1:])
+        poses.append(home.simulation.base())
+    assert np.array_equal(poses[0], poses[2]) and not np.array_equal(poses[0], poses[1])
+    assert home.observe().shape == (2, 128, 128, 3) and home.observe().dtype == np.uint8
+
+
+def test_starts_within_reach_have_something_near_the_arm(config):
+    world = apartment_world(config, "fetch", "rs-stand-in", "within-reach")
+    for seed in range(5):
+        world.reset(np.random.default_rng(seed))
+        start = world.snapshot()
+        world.restore(start)
+        assert world.happened().clearance < config.apartment.reach
+    world.simulation.close()
+
+
+def test_in_empty_space_both_orders_look_the_same(floor):
+    ends = endings_per_dof(floor, 3, 15)
+    assert list(ends) == [dof.name for dof in floor.dofs]
+    for dof, (one, other) in ends.items():
+        assert np.abs(one.observation.astype(int) - other.observation).max() <= 1, dof
+        assert one.happened.touched_fixed == one.happened.touched_movable == 0
+
+
+def test_an_empty_floor_shows_where_the_robot_is(floor):
+    floor.reset(np.random.default_rng(0))
+    before = floor.observe()
+    action = np.zeros(7)
+    action[:2] = 0.5
+    for _ in range(4):
+        floor.step(action)
+    assert (before != floor.observe()).any(-1).mean() > 0.3
+
+
+def test_experiments_do_not_depend_on_how_they_are_cut(config, home):
+    run = config.apartment.runs()[0]._replace(length=6)
+    features = CountedPixels()
+    whole = run_experiments(config, run, home, features, 0, 3)
+    parts = [run_experiments(config, run, home, features, i, i + 1) for i in (2, 0, 1)]
+    assert list(whole.columns) == [column.name for column in TABLES["apartment_experiments"]]
+    for i, part in zip((2, 0, 1), parts, strict=True):
+        expected = whole[whole["experiment"] == i].reset_index(drop=True)
+        assert expected.equals(part.reset_index(drop=True))
+
+
+def test_a_users_own_robot_in_a_users_own_rooms(tmp_path, config):
+    """A fixed arm from a URDF, in a room from a mesh, by files and configuration alone."""
+    write_robot(tmp_path, {"start": {"turn": [-0.5, 0.5]}})
+    room_mesh().export(tmp_path / "room.ply")
+    write_scene(tmp_path, {"kind": "mesh", "name": "mine", "mesh": "room.ply"})
+    change = {"robots": {"mine": {"description": str(tmp_path / "mine.yaml")}}, "scenes": {"mine": {"file": str(tmp_path / "scene.yaml")}}}
+    settings = validate(merge(config.model_dump(mode="json"), {"apartment": change}))
+    check_apartment(settings)
+    world = apartment_world(settings, "mine", "mine", "anywhere")
+    world.reset(np.random.default_rng(2))
+    assert np.abs(world.simulation.base()[:2]).max() < 2
+    before = world.observe()
+    world.step(np.array([1.0]))
+    world.step(np.array([0.0]))
+    assert world.simulation.joints()[0] != 0 and (before != world.observe()).any()
+    world.simulation.close()
+
+
+def test_a_robot_that_fits_nowhere_is_told():
+    full = Fixture("block", (), (Solid("box", (2.0, 2.0, 1.0), (0.0, 0.0, 1.0)),))
+    robot = load_robot(ROBOTS / "jackrabbot.yaml")
+    world = ApartmentWorld(Scene("full", (full,), (), (Area("room", (-1, 1), (-1, 1)),)), robot, (SMALL,))
+    with pytest.raises(StartError, match=r"scene 'full' with robot 'jackrabbot': none of 20 random places is a valid start \(20 touch something\)"):
+        draw_start(world.simulation, np.random.default_rng(0), tries=20)
+    world.simulation.close()
+
+
+def test_nothing_within_reach_is_told(floor):
+    with pytest.raises(StartError, match=r"in the others nothing is within 0\.2 m of the arm"):
+        draw_start(floor.simulation, np.random.default_rng(0), within=0.2, tries=10)
+
+
+def test_a_scene_without_areas_is_told():
+    world = ApartmentWorld(Scene("none", (), (), ()), load_robot(ROBOTS / "jackrabbot.yaml"), (SMALL,))
+    with pytest.raises(StartError, match="no area in which a robot may start"):
+        world.reset(np.random.default_rng(0))
+    world.simulation.close()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"robots": {"fetch": {"description": "none.yaml"}}}, "none.yaml: there is no such file"),
+        ({"scenes": {"rs-stand-in": {"file": "none.yaml"}}}, "none.yaml: there is no such file"),
+    ],
+)
+def test_a_file_that_is_not_there_is_told_before_any_work(config, change, message):
+    settings = validate(merge(config.model_dump(mode="json"), {"apartment": change}))
+    with pytest.raises(Exception, match=message):
+        check_apartment(settings)
+
+
+def test_free_space_must_be_free(config):
+    with pytest.raises(ConfigError, match=r"free_space\.scenes names 'rs-stand-in', which has a file"):
+        validate(merge(config.model_dump(mode="json"), {"apartment": {"free_space": {"scenes": ["rs-stand-in"]}}}))
