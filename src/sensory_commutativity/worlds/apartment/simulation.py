@@ -199,7 +199,7 @@ class Simulation:
         return any(point[8] < -depth for point in pybullet.getContactPoints(self._robot, physicsClientId=self._client))
 
     def clearance(self, most: float, links: Collection[int] | None = None, fixtures: bool = True, movables: bool = True) -> float:
-        """Metres from the robot, or some of its links (numbers as in :class:`.body.Body`), to the nearest fixture or movable object; at most `most`."""
+        """Metres from the robot, or some of its links (numbers as in :class:`.body.Body`), to the nearest thing; at most `most`."""
         nearest = most
         wanted = None if links is None else {number for number, collider in self._colliders.items() if collider.link in links}
         for body in (*(self._scenery.fixtures if fixtures else ()), *(self._scenery.movables if movables else ())):
