@@ -1,11 +1,6 @@
 # Three dimensions: SC-experiments of robots in apartments, SCP, hierarchy, stability of the order, true interaction.
 
 
-def described(*paths):
-    """The contents of files that the configuration names: a run depends on what they say, not on where they lie."""
-    return [Path(path).read_text() for path in paths if path is not None]
-
-
 def apartment_parts(wildcards):
     return [
         DATA
@@ -16,12 +11,15 @@ def apartment_parts(wildcards):
     ]
 
 
+def robots_and_scenes():
+    """Contents of all files that describe them."""
+    robots = [contents(r.description, "robot") for r in APARTMENT.robots.values()]
+    return robots + [contents(s.file, "scene") for s in APARTMENT.scenes.values()]
+
+
 def apartment_settings():
     """All settings of the apartment, with the files that they name."""
-    robots = [robot.description for robot in APARTMENT.robots.values()]
-    return digest(
-        APARTMENT, described(*robots, *(s.file for s in APARTMENT.scenes.values()))
-    )
+    return digest(APARTMENT, robots_and_scenes())
 
 
 def apartment_run(w):
@@ -31,18 +29,7 @@ def apartment_run(w):
         for run in APARTMENT.runs()
         if run[:4] == (w.robot, w.scene, w.start, int(w.length))
     ]
-    return digest(
-        described(
-            APARTMENT.robots[run.robot].description, APARTMENT.scenes[run.scene].file
-        ),
-        run,
-        APARTMENT.rest_steps,
-        APARTMENT.fields_of_view,
-        APARTMENT.image_size,
-        APARTMENT.supersampling,
-        APARTMENT.reach if run.start == "within-reach" else None,
-        APARTMENT.experiments_per_job,
-    )
+    return digest(settings_of_run(CONFIG, run), APARTMENT.experiments_per_job)
 
 
 rule apartment_ready:
@@ -62,7 +49,7 @@ rule apartment_ready:
 
 rule apartment_experiments_part:
     input:
-        DATA / "apartment_ready.json",
+        ancient(DATA / "apartment_ready.json"),  # a part depends on its own settings, not on when all were tried
     output:
         DATA
         / "apartment_experiments"
@@ -106,7 +93,7 @@ APARTMENT_TABLES = {  # table -> the settings it depends on
     "apartment_scp": digest(APARTMENT.thresholds),
     "apartment_hierarchy": digest(
         APARTMENT.thresholds,
-        described(*(robot.description for robot in APARTMENT.robots.values())),
+        robots_and_scenes(),
     ),
     "apartment_order": digest(
         APARTMENT.thresholds, APARTMENT.fields_of_view, APARTMENT.reference

@@ -11,7 +11,11 @@ from sensory_commutativity.figures.catalogue import FIGURES
 from sensory_commutativity.figures.catalogue import COMPARED
 from sensory_commutativity.folders import check_writable
 from sensory_commutativity.navigation.from_config import check_navigation
-from sensory_commutativity.worlds.apartment.from_config import check_apartment
+from sensory_commutativity.worlds.apartment.from_config import (
+    check_apartment,
+    contents,
+    settings_of_run,
+)
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
 from sensory_commutativity.worlds.flatland.from_config import check_rooms
 

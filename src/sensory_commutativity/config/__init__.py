@@ -7,16 +7,20 @@ One typed model per stage; unknown keys are refused; what depends on several key
 from .apartment import ApartmentConfig, ApartmentRun
 from .flatland import BaselinesConfig, FlatlandConfig, Run
 from .loading import joint_range, json_schema, load, merge, validate, write_resolved
+from .masks import LEARNED, MasksConfig, ModelName
 from .navigation import LearnerConfig, NavigationConfig
 from .whole import Config
 
 __all__ = [
+    "LEARNED",
     "ApartmentConfig",
     "ApartmentRun",
     "BaselinesConfig",
     "Config",
     "FlatlandConfig",
     "LearnerConfig",
+    "MasksConfig",
+    "ModelName",
     "NavigationConfig",
     "Run",
     "joint_range",

@@ -11,6 +11,7 @@ from pydantic import Field, StringConstraints, model_validator
 
 from .apartment import ApartmentConfig
 from .flatland import FlatlandConfig
+from .masks import MasksConfig
 from .navigation import NavigationConfig
 from .section import Name, Section, known
 
@@ -25,6 +26,7 @@ class Config(Section):
     seed: int = Field(ge=0, lt=2**63, description="The root seed; everything random follows from it.")
     flatland: FlatlandConfig
     apartment: ApartmentConfig
+    masks: MasksConfig
     navigation: NavigationConfig
 
     @model_validator(mode="after")
@@ -45,6 +47,22 @@ class Config(Section):
                     f"navigation.zones: the one at ({zone.x:g}, {zone.y:g}) leaves the room {navigation.world!r} of "
                     f"{room.width:g} x {room.height:g}; move or shrink it"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _masks_are_of_the_apartment(self) -> Config:
+        apartment, masks = self.apartment, self.masks
+        known(masks.robot, apartment.robots, "masks.robot", "apartment.robots")
+        for key, names in (("data.scene", [masks.data.scene]), ("tests.scenes", masks.tests.scenes), ("map.scene", [masks.map.scene])):
+            for name in names:
+                known(name, apartment.scenes, f"masks.{key}", "apartment.scenes")
+                if apartment.scenes[name].file is None:
+                    raise ValueError(f"masks.{key} names {name!r}, an empty floor, where nothing can be moved; choose a scene with a file")
+        if masks.robot != apartment.reference.robot:
+            raise ValueError(
+                f"masks.robot is {masks.robot!r}, but the SCPs that choose its degree of freedom are measured of apartment.reference.robot "
+                f"{apartment.reference.robot!r}; set the same"
+            )
         return self
 
     @property

@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..config import Config
-from ..seeding import generator, seed_for
+from ..seeding import generator
 from ..worlds.apartment.camera import Camera
 from ..worlds.apartment.drawing import outside
-from ..worlds.apartment.from_config import apartment_world
+from ..worlds.apartment.from_config import apartment_world, start_seed
 
 _PIXELS = 480
 _SHOWN = 1
@@ -32,7 +32,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     figure, grid = plt.subplots(len(shown), 1 + len(views), figsize=(3.6 * (1 + len(views)), 3.8 * len(shown)), squeeze=False)
     for row, (robot, scene) in zip(grid, shown, strict=True):
         world = apartment_world(config, robot, scene, "anywhere")
-        world.reset(generator(seed_for(config.seed, "apartment", robot, scene, "anywhere", _SHOWN), "situation"))
+        world.reset(generator(start_seed(config, robot, scene, "anywhere", _SHOWN), "situation"))
         _show(row[0], outside(world.simulation, _PIXELS), f"{robot} in {scene}, start of experiment {_SHOWN}")
         for axes, view in zip(row[1:], views, strict=True):
             camera = Camera(_PIXELS, _PIXELS, view, settings.supersampling)

@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.animation import PillowWriter
 
+from ..checkpoints import load_state
 from ..config import Config
 from ..navigation.action_spaces import ScaledAction
-from ..navigation.checkpoints import load_state
 from ..navigation.from_config import evaluation_seeds, navigation_environment
 from ..navigation.recurrent import RoomPolicy
 from ..navigation.task import NavigationEnv

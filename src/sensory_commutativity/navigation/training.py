@@ -15,10 +15,10 @@ import torch
 from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
 from stable_baselines3.common.utils import set_random_seed
 
+from ..checkpoints import Checkpoint, CheckpointError
 from ..config import Config
 from ..progress import progress
 from ..seeding import seed_for
-from .checkpoints import Checkpoint, CheckpointError
 from .evaluation import evaluate
 from .from_config import evaluation_seeds, navigation_rooms
 from .learner import RoomPPO, make_learner, make_policy

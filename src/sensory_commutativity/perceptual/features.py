@@ -1,4 +1,4 @@
-"""Squared distances of VGG16 features: what counts as the same picture (paper, section III-A: "perceptual features of a pre-trained VGG16").
+"""Squared distances of VGG16 features: what counts as the same picture (paper, section III-B: "a perceptual distance using the VGG16 features").
 
 The paper does not say which layer it used. Taken is the last convolution, block5_conv3, after its ReLU, averaged over the picture: 512 numbers. Its
 squared distance between unrelated pictures of an apartment is about 4,900, so that the paper's thresholds 20 to 100 mean a camera turned by a tenth
@@ -26,12 +26,18 @@ class PerceptualFeatures:
     Parameters
     ----------
     weights : Weights
+
+    Attributes
+    ----------
+    about : dict
+        Where the weights are from, and their hash: for what is written of the distances.
     """
 
     def __init__(self, weights: Weights):
         import torch
 
         self._torch = torch
+        self.about = {"vgg16_source": weights.source, "vgg16_sha256": weights.sha256}
         self._convolutions = [
             tuple(torch.from_numpy(np.array(array, np.float32)) for array in convolution) for convolution in weights.convolutions
         ]  # fmt: skip

@@ -6,6 +6,7 @@ i); sequences of other lengths share the start situations.
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,10 @@ import pandas as pd
 
 from ..batches import forget_batches, in_batches
 from ..config import ApartmentRun, Config
+from ..errors import TableError
 from ..experiment import endings_per_dof
-from ..seeding import seed_for
-from ..tables import TABLES, read_table, write_table
-from ..worlds.apartment.from_config import perceptual_features, settings_of_run, world_of_run
+from ..tables import TABLES, read_about, read_table, write_table
+from ..worlds.apartment.from_config import perceptual_features, settings_of_run, start_seed, world_of_run
 from ..worlds.apartment.world import ApartmentWorld, Happened
 from .flatland_experiments import part_bounds
 
@@ -31,7 +32,7 @@ def run_experiments(config: Config, run: ApartmentRun, world: ApartmentWorld, fe
     rows, first, second = [], [], []
     views = config.apartment.views(run)
     for i in range(start, stop):
-        seed = seed_for(config.seed, "apartment", run.robot, run.scene, run.start, i)
+        seed = start_seed(config, run.robot, run.scene, run.start, i)
         for dof, (one, other) in endings_per_dof(world, seed, run.length, config.apartment.rest_steps).items():
             events = _events(one.happened, other.happened)
             for k, field_of_view in enumerate(views):
@@ -66,17 +67,21 @@ def write_experiments(config: Config, run: ApartmentRun, part: int, out: Path) -
     torch.set_num_threads(1)
     world, features = world_of_run(config, run), perceptual_features(config)
     start, stop = part_bounds(config.apartment.experiments_per_job, run.experiments, part)
-    settings = f"{config.seed} {run} {settings_of_run(config, run)}"
+    settings = json.dumps([settings_of_run(config, run), features.about])
 
     def compute(low: int, high: int) -> pd.DataFrame:
         return run_experiments(config, run, world, features, low, high)
 
     frame = in_batches(TABLE, compute, start, stop, out, config, settings, BATCH)
-    write_table(TABLE, frame, out, config)
+    write_table(TABLE, frame, out, config, features.about)
     forget_batches(out)
 
 
 def gather_experiments(parts: list[Path], out: Path, config: Config) -> None:
-    """Put the parts of apartment_experiments together, in the order given."""
+    """Put the parts of apartment_experiments together, in the order given. Raises TableError if they were seen through different weights."""
     frame = pd.concat([read_table(TABLE, part) for part in parts], ignore_index=True)
-    write_table(TABLE, frame, out, config)
+    weights = {read_about(part).get("vgg16_sha256", ""): part for part in parts}
+    if len(weights) > 1:
+        raise TableError(f"{' and '.join(map(str, weights.values()))}: made with different VGG16 weights; delete the parts and run again")
+    about = {key: value for key, value in read_about(parts[0]).items() if key.startswith("vgg16_")}
+    write_table(TABLE, frame, out, config, about)

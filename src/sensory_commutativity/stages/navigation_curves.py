@@ -18,7 +18,7 @@ TABLE = "navigation_curves"
 
 def write_run(config: Config, action_space: str, seed: int, navigation_scp: Path, out: Path, model: Path) -> None:
     """Train one run, or go on with it where it was killed, and write its curve and its model."""
-    from ..navigation.checkpoints import Checkpoint, save_state
+    from ..checkpoints import Checkpoint, save_state
     from ..navigation.from_config import measured_scp, scales_of_run
     from ..navigation.training import settings_of_run, train
 

@@ -4,6 +4,6 @@ A table is tidy: one row per thing counted. Units and provenance stand in the Pa
 and renamed, so that whatever has its final name is complete.
 """
 
-from .files import TABLES, read_table, schema, write_table, written_whole
+from .files import TABLES, read_about, read_table, schema, write_table, written_whole
 
-__all__ = ["TABLES", "read_table", "schema", "write_table", "written_whole"]
+__all__ = ["TABLES", "read_about", "read_table", "schema", "write_table", "written_whole"]

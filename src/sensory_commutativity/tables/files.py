@@ -5,7 +5,7 @@ from __future__ import annotations
 import glob
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -64,10 +64,10 @@ def _umask() -> int:
     return mask
 
 
-def write_table(name: str, frame: pd.DataFrame, path: str | Path, config: Config) -> None:
-    """Write `frame` as the table `name`; its columns must be those of the schema."""
+def write_table(name: str, frame: pd.DataFrame, path: str | Path, config: Config, about: Mapping[str, str] | None = None) -> None:
+    """Write `frame` as the table `name`; its columns must be those of the schema. What else it comes from, `about`, stands beside the provenance."""
     table = pa.Table.from_pandas(frame[[c.name for c in TABLES[name]]], schema(name), preserve_index=False)
-    table = table.replace_schema_metadata({"table": name, **provenance(config)})
+    table = table.replace_schema_metadata({"table": name, **provenance(config), **(about or {})})
     with written_whole(Path(path)) as temporary:
         pq.write_table(table, temporary, compression="zstd")
 
@@ -87,3 +87,8 @@ def read_table(name: str, path: str | Path) -> pd.DataFrame:
     if names != expected.names or table.schema.types != expected.types:
         raise TableError(f"{path}: not a {name} table, its columns are {', '.join(names)}; delete it and run again")
     return table.to_pandas()
+
+
+def read_about(path: str | Path) -> dict[str, str]:
+    """What a table that :func:`read_table` can read says of where it comes from."""
+    return {key.decode(): value.decode() for key, value in (pq.read_schema(path).metadata or {}).items()}

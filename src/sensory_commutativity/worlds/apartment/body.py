@@ -182,9 +182,8 @@ def _digest(robot: Robot) -> hashlib._Hash:
     """Everything that the kept files follow from."""
     here = Path(__file__).parent
     content = hashlib.sha256(robot.description.model_dump_json().encode())
-    meshes = {shape.path for link in robot.urdf.links.values() for shape in (*link.visuals, *link.collisions) if shape.path}
     sources = [here / f"{name}.py" for name in ("body", "frames", "geometry", "robot", "scene", "shapes", "urdf")]
-    for path in [robot.urdf.path, *sorted(meshes), *sources]:
+    for path in [*robot.urdf.files, *sources]:
         content.update(hashlib.sha256(path.read_bytes()).digest())
     for package in ("fast_simplification", "numpy", "scipy", "trimesh"):
         content.update(version(package).encode())

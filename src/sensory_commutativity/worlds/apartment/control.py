@@ -155,7 +155,7 @@ def advance(law: Law, control: Control, substep: int, measured: np.ndarray, told
             step = _arc(i, speed * DT, turn * DT, control.target[2] if i < 2 else 0.0)
         end = start + step
         if end > law.high[i] or end < law.low[i]:
-            at_limit = at_limit or (step > 0) == (end > law.high[i])
+            at_limit = at_limit or (step > 0 and end > law.high[i]) or (step < 0 and end < law.low[i])
             end = min(max(end, law.low[i]), law.high[i])
         told[i] = min(max((end - start + GAIN * (start - measured[i])) / DT, -law.most[i]), law.most[i])
         control.target[i] = end

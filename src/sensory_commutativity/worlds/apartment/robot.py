@@ -195,6 +195,16 @@ def robot_from(settings: Any, folder: Path, where: str) -> Robot:
     return robot
 
 
+def with_fixed(robot: Robot, fixed: dict[str, float], where: str) -> Robot:
+    """The robot with other positions of joints that are no degree of freedom; `where` is what messages name. Raises RobotError."""
+    description = robot.description.model_copy(update={"fixed": robot.description.fixed | fixed})
+    changed = Robot(description, robot.urdf)
+    problem = next(_problems(changed), None)
+    if problem:
+        raise RobotError(f"{where}: {problem}")
+    return changed
+
+
 def _problems(robot: Robot):
     """What does not fit together in a description and its URDF, each with its remedy."""
     description, links, joints = robot.description, robot.urdf.links, robot.urdf.joints

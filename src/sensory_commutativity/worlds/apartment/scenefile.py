@@ -61,6 +61,13 @@ def load_scene(file: str | Path) -> Scene:
     raise SceneError(f"{path}: kind: expected floor-plan or mesh, got {kind!r}; see config/apartments/README.md")
 
 
+def scene_files(file: str | Path) -> list[Path]:
+    """All files that a scene which can be loaded is made from: its YAML file and, if it has one, its mesh."""
+    path = Path(file)
+    mesh = yaml.safe_load(path.read_text(encoding="utf-8")).get("mesh")
+    return [path] if mesh is None else [path, path.parent / mesh]
+
+
 def _parsed(section: type[AnySection], settings: Any, path: Path) -> AnySection:
     try:
         refuse_what_json_has_not(settings, "scene")

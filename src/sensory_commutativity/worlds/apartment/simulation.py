@@ -51,6 +51,7 @@ class Situation:
 
     state: State
     control: Control
+    place: np.ndarray  # float64 (3,): where the robot was put, which is where it is if it has no drive
     origins: np.ndarray  # float64 (movables, 3): where the objects are
     asleep: tuple[bool, ...]  # which of them Bullet lets rest
 
@@ -147,6 +148,7 @@ class Simulation:
             raise ValueError("the situation is of another simulation")
         self._recall(situation)
         self._control.set(situation.control)
+        self._place = situation.place.copy()
         self._begin_record(situation.origins)
 
     # ---- motion ----------------------------------------------------------------------------------------------------------
@@ -270,7 +272,7 @@ class Simulation:
     def _take(self) -> Situation:
         velocities = [pybullet.getBaseVelocity(body, physicsClientId=self._client) for body in self._scenery.movables]
         asleep = tuple(not any(linear) and not any(angular) for linear, angular in velocities)  # what sleeps has no velocity at all
-        return Situation(State(self._world), self._control.copy(), self._object_positions(), asleep)
+        return Situation(State(self._world), self._control.copy(), self._place.copy(), self._object_positions(), asleep)
 
     def _recall(self, situation: Situation) -> None:
         """Put PyBullet's world back so that whatever was there before makes no difference.

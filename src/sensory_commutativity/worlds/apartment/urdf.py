@@ -76,6 +76,12 @@ class Urdf:
     links: dict[str, Link]
     joints: dict[str, Joint]
 
+    @property
+    def files(self) -> list[Path]:
+        """The URDF itself and all meshes that it names."""
+        meshes = {shape.path for link in self.links.values() for shape in (*link.visuals, *link.collisions) if shape.path}
+        return [self.path, *sorted(meshes)]
+
     def joints_below(self, link: str) -> list[Joint]:
         """The joints whose parent `link` is, in the file's order."""
         return [joint for joint in self.joints.values() if joint.parent == link]

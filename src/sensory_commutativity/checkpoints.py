@@ -13,8 +13,8 @@ from typing import Any
 
 import torch
 
-from ..errors import UserError
-from ..tables import written_whole
+from .errors import UserError
+from .tables import written_whole
 
 DIGEST = 32  # bytes
 

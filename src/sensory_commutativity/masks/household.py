@@ -1,0 +1,224 @@
+"""An apartment full of things: where pairs of pictures are made, and where SC-experiments on objects are played (paper, section IV-A).
+
+A household is one apartment, one robot and a set of objects of one family. Objects are scattered over floor and furniture again and again, and
+the robot begins somewhere among them, its arm in any pose.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..worlds.apartment.camera import Camera, Picture, Renderer
+from ..worlds.apartment.geometry import scaled
+from ..worlds.apartment.objects import OBJECTS, Family, of_family
+from ..worlds.apartment.raster import LIGHT
+from ..worlds.apartment.robot import Robot
+from ..worlds.apartment.scene import Movable, Part, Scene
+from ..worlds.apartment.simulation import PARKED
+from ..worlds.apartment.starts import arm_links, draw_place
+from ..worlds.apartment.textures import TEXTURES
+from ..worlds.apartment.world import ApartmentWorld, pieces
+
+TRIES = 60
+"""How often something random is drawn before another situation is tried."""
+RESTING = 600
+"""Substeps (2.5 s) in which scattered objects come to rest and fall asleep."""
+NEAR_TRIES = 1000
+"""How often a situation beside an object is drawn; chosen: most draws are refused by arithmetic alone."""
+BEFORE = (0.5, 1.2)
+"""Metres from the robot's middle to the object before which it stands; chosen: as far as arms reach."""
+BESIDE = (0.4, 0.15)
+"""Metres from the hand to that object, in the plane and in height; chosen: as far as a hand comes in a second."""
+_AWAY = 40.0  # metres: where objects are that found no place
+
+
+class View(NamedTuple):
+    """What is seen at one moment, and from where: pictures, one per camera; float64 (4, 4), the frame of the camera."""
+
+    pictures: tuple[Picture, ...]
+    eye: np.ndarray
+
+
+class Household:
+    """An apartment, a robot and objects.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its own movable objects are replaced.
+    robot : Robot
+    cameras : sequence of Camera
+        All sit where the robot's camera is.
+    family : str
+        Which objects: ``training`` or ``testing``.
+    rng : numpy.random.Generator
+        All that is random follows from it.
+    objects : int
+        How many there are.
+    varied : bool
+        Whether objects have other sizes and colours than their own, and rooms other colours in half of the scenes: to learn from. To test on, things
+        are as they are.
+
+    Attributes
+    ----------
+    world : ApartmentWorld
+    simulation : Simulation
+    scattered : float64 (objects, 7)
+        Where the objects lie while nothing disturbs them.
+    """
+
+    def __init__(
+        self, scene: Scene, robot: Robot, cameras: Sequence[Camera], family: Family, rng: np.random.Generator, objects: int = 40, varied: bool = True
+    ):
+        self.rng, self.cameras, self.varied = rng, tuple(cameras), varied
+        self.scene = replace(scene, movables=tuple(_random_object(family, i, rng, varied) for i in range(objects)))
+        self.world = ApartmentWorld(self.scene, robot, cameras)
+        self.simulation = self.world.simulation
+        self.scattered = self.simulation.object_poses()
+        self._bodies = 1 + objects + len(self.simulation.body.parents)
+        self._renderer = self.world.renderer
+
+    def scatter(self) -> None:
+        """New places for all objects, and new colours."""
+        simulation, rng, movables = self.simulation, self.rng, self.scene.movables
+        simulation.place(np.array(PARKED), simulation.robot.start_ranges.mean(1))
+        for i in range(len(movables)):
+            self._put_away(i)
+        for i in range(len(movables)):
+            for _ in range(TRIES):
+                area = self.scene.areas[int(rng.integers(len(self.scene.areas)))]
+                if self.stand(i, rng.uniform(*area.x), rng.uniform(*area.y), float(rng.choice([2.2, 1.15]))):  # under shelves and tables, too
+                    break
+            else:
+                self._put_away(i)
+        simulation.wait(RESTING)
+        simulation.keep_objects()
+        self.scattered = simulation.object_poses()
+        if self.varied:
+            self._renderer = self._painted_renderer()
+
+    def stand(self, i: int, x: float, y: float, from_height: float) -> bool:
+        """Stand the i-th object on what is below a point; False if there is no room."""
+        surface = self.simulation.surface_below(x, y, from_height)
+        if surface is None:
+            return False
+        half, turn = _half_height(self.scene.movables[i]), self.rng.uniform(-math.pi, math.pi) / 2
+        self.simulation.put_object(i, np.array([x, y, surface + half + 0.002, 0, 0, math.sin(turn), math.cos(turn)]))
+        return not self.simulation.object_penetrates(i)
+
+    def begin(self) -> None:
+        """The robot somewhere among the scattered objects, its arm as it starts experiments or, in half of the cases, anyhow."""
+        simulation, rng = self.simulation, self.rng
+        draw_place(simulation, rng)
+        if rng.uniform() < 0.5:
+            base, joints = simulation.base(), simulation.joints()
+            spread = np.minimum(1.0, np.diff(simulation.robot.limits)[:, 0] / 6)
+            for _ in range(TRIES):
+                simulation.put_robot(base, np.clip(joints + rng.normal(0, 0.6, len(joints)) * spread, *simulation.robot.limits.T))
+                if not simulation.penetrates():
+                    break
+            else:
+                simulation.put_robot(base, joints)
+
+    def begin_near_an_object(self) -> bool:
+        """The robot before an object, which it looks at, its hand beside it; False if no such situation is found."""
+        simulation, rng, robot = self.simulation, self.rng, self.simulation.robot
+        simulation.place(np.array(PARKED), robot.start_ranges.mean(1))
+        hand, spread = arm_links(simulation)[-1], np.minimum(1.0, np.diff(robot.limits)[:, 0] / 6)
+        for _ in range(NEAR_TRIES):
+            thing = self.scattered[int(rng.integers(len(self.scattered))), :3]
+            distance, direction = rng.uniform(*BEFORE), rng.uniform(-math.pi, math.pi)
+            base = np.array([thing[0] - distance * math.cos(direction), thing[1] - distance * math.sin(direction), direction + rng.normal(0, 0.25)])
+            joints = np.clip(robot.draw_joints(rng) + rng.normal(0, 0.6, len(robot.joints)) * spread, *robot.limits.T)
+            apart = simulation.body.link_poses(base, joints)[hand, :3, 3] - thing
+            if abs(apart[2]) > BESIDE[1] or math.hypot(apart[0], apart[1]) > BESIDE[0]:
+                continue
+            simulation.put_robot(base, joints)
+            if not simulation.penetrates():
+                return True
+        return False
+
+    def look(self, eye: np.ndarray | None = None, light: np.ndarray = LIGHT) -> View:
+        """What the robot sees, or would see from another place of its camera, float64 (4, 4), in another light."""
+        eye = self.simulation.eye_pose() if eye is None else eye
+        poses = self.simulation.poses()
+        return View(tuple(self._renderer.render(camera, eye, poses, light) for camera in self.cameras), eye)
+
+    def _put_away(self, i: int) -> None:
+        self.simulation.put_object(i, np.array([_AWAY + i, _AWAY, _half_height(self.scene.movables[i]) + 0.002, 0, 0, 0, 1.0]))
+
+    def _painted_renderer(self) -> Renderer:
+        scene = _recoloured(self.scene, self.rng) if self.rng.uniform() < 0.5 else self.scene
+        shown = pieces(self.simulation)
+        parts = [part for fixture in scene.fixtures for part in fixture.parts] + [part for movable in scene.movables for part in movable.parts]
+        return Renderer([replace(piece, part=part) for piece, part in zip(shown, parts, strict=False)] + shown[len(parts) :], self._bodies)
+
+
+def displaced(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Which objects are not where they were, within a centimetre and five degrees: numbers, int (k,); of poses float64 (n, 7)."""
+    shift = np.linalg.norm(before[:, :3] - after[:, :3], axis=1)
+    turn = 2 * np.arccos(np.clip(np.abs((before[:, 3:] * after[:, 3:]).sum(1)), 0, 1))
+    return np.nonzero((shift >= 0.01) | (turn >= math.radians(5)))[0]
+
+
+def _half_height(movable: Movable) -> float:
+    """Metres from an object's middle to where it stands."""
+    return -float(min(part.mesh.vertices[:, 2].min() for part in movable.parts))
+
+
+def _random_object(family: Family, i: int, rng: np.random.Generator, varied: bool) -> Movable:
+    """An object of the family; varied: of another size and in other colours."""
+    what = OBJECTS[str(rng.choice(of_family(family)))]
+    place = (_AWAY + i, _AWAY, 0.5)
+    if not varied:
+        return Movable(f"object-{i}", what.category, what.mass, what.parts, what.solids, place)
+    factors = rng.uniform(0.8, 1.5) * rng.uniform(0.8, 1.25, 3)
+    factors[1] = factors[0]  # round things stay round
+    if any(solid.kind == "sphere" for solid in what.solids):
+        factors[2] = factors[0]
+    parts = tuple(_painted(replace(part, mesh=scaled(part.mesh, factors)), rng) for part in what.parts)
+    solids = tuple(
+        replace(
+            solid,
+            size=_scaled_size(solid.kind, solid.size, factors),
+            position=tuple(float(p * f) for p, f in zip(solid.position, factors, strict=True)),
+            vertices=None if solid.vertices is None else solid.vertices * factors,
+        )
+        for solid in what.solids
+    )
+    return Movable(f"object-{i}", what.category, what.mass * float(factors.prod()), parts, solids, place)
+
+
+def _scaled_size(kind: str, size: tuple[float, ...], factors: np.ndarray) -> tuple[float, ...]:
+    if kind == "box":
+        return tuple(float(s * f) for s, f in zip(size, factors, strict=True))
+    if kind == "cylinder":
+        return float(size[0] * factors[0]), float(size[1] * factors[2])
+    return tuple(float(s * factors[0]) for s in size)
+
+
+def _painted(part: Part, rng: np.random.Generator) -> Part:
+    texture = part.texture
+    if rng.uniform() < 0.4:
+        texture = "" if rng.uniform() < 0.4 else str(rng.choice(TEXTURES))
+    return replace(part, colour=tuple(float(c) for c in rng.uniform(0.1, 1.0, 3)), texture=texture)  # type: ignore[arg-type]
+
+
+def _recoloured(scene: Scene, rng: np.random.Generator) -> Scene:
+    """The same rooms and things in other colours."""
+
+    def other(part: Part) -> Part:
+        if rng.uniform() > 0.6:
+            return part
+        colour = np.clip(np.array(part.colour) * rng.uniform(0.5, 1.3, 3) + rng.uniform(-0.2, 0.2, 3), 0.05, 1)
+        texture = str(rng.choice(TEXTURES)) if rng.uniform() < 0.3 else part.texture
+        return replace(part, colour=tuple(float(c) for c in colour), texture=texture)  # type: ignore[arg-type]
+
+    fixtures = tuple(replace(fixture, parts=tuple(other(part) for part in fixture.parts)) for fixture in scene.fixtures)
+    movables = tuple(replace(movable, parts=tuple(_painted(part, rng) for part in movable.parts)) for movable in scene.movables)
+    return replace(scene, fixtures=fixtures, movables=movables)
