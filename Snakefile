@@ -15,6 +15,7 @@ configfile: "config/default.yaml"
 include: "workflow/rules/common.smk"
 include: "workflow/rules/flatland.smk"
 include: "workflow/rules/apartment.smk"
+include: "workflow/rules/masks.smk"
 include: "workflow/rules/navigation.smk"
 include: "workflow/rules/figures.smk"
 

@@ -1,15 +1,25 @@
 # What all rules share: the checked configuration, the folders, and when a rule must run again.
 import hashlib
 import json
+import shlex
 import sys
 from pathlib import Path
 
 from sensory_commutativity import __version__
-from sensory_commutativity.config import validate, write_resolved
+from sensory_commutativity.config import LEARNED, validate, write_resolved
 from sensory_commutativity.errors import UserError
-from sensory_commutativity.figures.catalogue import FIGURES
-from sensory_commutativity.figures.catalogue import COMPARED
+from sensory_commutativity.figures.catalogue import COMPARED, FIGURES, source_file
 from sensory_commutativity.folders import check_writable
+from sensory_commutativity.masks.from_config import (
+    check_masks,
+    map_jobs,
+    settings_of_data,
+    settings_of_map,
+    settings_of_tests,
+    settings_of_training,
+    tuple_jobs,
+    tuple_runs,
+)
 from sensory_commutativity.navigation.from_config import check_navigation
 from sensory_commutativity.worlds.apartment.from_config import (
     check_apartment,
@@ -24,6 +34,7 @@ try:
     check_writable(CONFIG.folder)
     check_rooms(CONFIG)
     check_apartment(CONFIG)
+    check_masks(CONFIG)
     check_navigation(CONFIG)
 except UserError as error:
     print(f"error: {error}", file=sys.stderr)
@@ -42,8 +53,10 @@ RESOLVED = (
 
 FLATLAND = CONFIG.flatland
 APARTMENT = CONFIG.apartment
+MASKS = CONFIG.masks
 NAVIGATION = CONFIG.navigation
 RUNS = {f"{run.world}.{run.agent}.{run.length}": run for run in FLATLAND.runs()}
+TUPLE_RUNS = tuple_runs(CONFIG)
 DOFS = [dof.name for dof in Polyphemus().dofs]
 
 
@@ -57,6 +70,9 @@ wildcard_constraints:
     start="anywhere|within-reach",
     action_space="|".join(NAVIGATION.action_spaces),
     seed=r"\d+",
+    split="training|validation",
+    run="|".join(TUPLE_RUNS),
+    model="raft|flownet|difference",
     part=r"\d+",
     parts=r"\d+",
 

@@ -12,6 +12,8 @@ def figures():
 CATEGORIES = {
     "flatland": "Flatland",
     "apartment": "Apartment",
+    "mask": "What moved",
+    "local": "Map",
     "navigation": "Navigation",
     "paper": "The paper's claims",
 }
@@ -21,6 +23,8 @@ def drawn_from(figure):
     """Settings that a figure depends on, beside its tables."""
     if figure.startswith("apartment"):
         return apartment_settings()
+    if figure.startswith(("mask", "local")):
+        return digest(MASKS, apartment_settings() if figure == "local_scp" else None)
     return digest(FLATLAND, NAVIGATION if figure.startswith("navigation") else None)
 
 
@@ -30,7 +34,7 @@ for figure, needed in FIGURES.items():
         name:
             f"figure_{figure}"
         input:
-            tables=[TABLES / f"{table}.parquet" for table in needed],
+            tables=[TABLES / source_file(table) for table in needed],
         output:
             png=report(
                 DRAWN / f"{figure}.png",
@@ -104,7 +108,7 @@ rule paper_comparison:
         LOGS / "paper_comparison.log",
     params:
         tables=TABLES,
-        settings=digest(FLATLAND, NAVIGATION, apartment_settings()),
+        settings=digest(FLATLAND, NAVIGATION, MASKS, apartment_settings()),
     message:
         "setting the paper's claims beside ours"
     shell:

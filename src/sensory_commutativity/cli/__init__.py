@@ -12,7 +12,7 @@ import sys
 import click
 
 from ..errors import UserError
-from . import apartment, figures, flatland, navigation, settings
+from . import apartment, figures, flatland, masks, navigation, settings
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
 
@@ -46,6 +46,7 @@ for _command in (
     flatland.flatland_scp,
     flatland.flatland_sensitivity,
     flatland.flatland_trends,
+    *masks.COMMANDS,
     navigation.navigation_action_spaces,
     navigation.navigation_curves,
     navigation.navigation_episode,

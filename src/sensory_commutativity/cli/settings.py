@@ -14,18 +14,27 @@ from .common import with_out
 @click.command()
 @click.argument("files", nargs=-1, required=True)
 def check(files: tuple[str, ...]) -> None:
-    """Check config FILES, each laid over the ones before: settings, the folder for results, and that agents and things fit into their rooms."""
+    """Check config FILES, each laid over the ones before: settings, the folder for results, robots and scenes, and that agents and things fit into their rooms."""
     from ..folders import check_writable
+    from ..masks.from_config import check_masks
     from ..navigation.from_config import check_navigation
+    from ..worlds.apartment.from_config import check_apartment
     from ..worlds.flatland.from_config import check_rooms
 
     config = load(*files)
     check_writable(config.folder)
     check_rooms(config)
+    check_apartment(config)
+    check_masks(config)
     check_navigation(config)
     runs = config.flatland.runs()
     n = sum(run.experiments for run in runs)
-    click.echo(f"profile {config.profile}: {n:,} SC-experiments of each degree of freedom in {len(runs)} runs; results go to {config.folder}")
+    there = config.apartment.runs()
+    m = sum(run.experiments for run in there)
+    click.echo(
+        f"profile {config.profile}: SC-experiments of each degree of freedom: {n:,} in {len(runs)} runs in Flatland, {m:,} in {len(there)} runs in "
+        f"apartments; results go to {config.folder}"
+    )
 
 
 @click.command()

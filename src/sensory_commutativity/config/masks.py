@@ -68,7 +68,7 @@ class MasksConfig(Section):
     fixed: dict[str, float] = Field(
         default_factory=dict, description="Positions of joints that are no degree of freedom, in place of those that the robot's description gives."
     )
-    image_size: int = Field(128, ge=64, le=1024, multiple_of=32, description="Height and width of pictures, pixels.")
+    image_size: int = Field(128, ge=128, le=1024, multiple_of=32, description="Height and width of pictures, pixels; RAFT needs 64 of half of them.")
     objects: int = Field(40, ge=1, le=1000, description="Movable objects that are scattered over an apartment, besides none of its own.")
     data: MaskDataConfig
     tests: MaskTestConfig

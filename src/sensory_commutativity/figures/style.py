@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from ..config import Config
 from ..tables import read_table, written_whole
-from .catalogue import FIGURES
+from .catalogue import ARRAYS, FIGURES, source_file
 
 if TYPE_CHECKING:
     from ..worlds.apartment.robot import Robot
@@ -87,11 +87,22 @@ def dof_label(dof: str, lines: bool = False) -> str:
 
 def draw_figure(name: str, tables: Path, out: Path, config: Config) -> None:
     """Draw the figure `name` from the tables in a folder; save it as `out` (PNG) and beside it as PDF."""
-    frames = {table: read_table(table, tables / f"{table}.parquet") for table in FIGURES[name]}
+    frames = {table: _read(table, tables / source_file(table)) for table in FIGURES[name]}
     module = importlib.import_module(f".{name}", __package__)
     with plt.rc_context(_RC):
         figure = module.draw(frames, config)
         save(figure, out)
+
+
+def _read(name: str, path: Path):
+    """A table, or arrays and what they come from."""
+    if name not in ARRAYS:
+        return read_table(name, path)
+    from ..masks.store import read_arrays, unpack
+
+    arrays, about = read_arrays(path, "examples")
+    width = arrays["pictures"].shape[-2]
+    return arrays | {key: unpack(arrays[key], width) for key in ("masks", "dataset_masks")}, about
 
 
 def save(figure: Figure, out: Path) -> None:

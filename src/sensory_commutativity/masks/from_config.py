@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import pandas as pd
 
@@ -13,11 +13,14 @@ from ..config import Config, ModelName
 from ..errors import ConfigError
 from ..seeding import generator, seed_for
 from ..worlds.apartment.camera import Camera
-from ..worlds.apartment.from_config import scene_of
+from ..worlds.apartment.from_config import contents, scene_of
 from ..worlds.apartment.objects import Family
 from ..worlds.apartment.robot import Robot, load_robot, with_fixed
-from .household import Household
-from .training import Recipe
+from ..mapping.places import Place, places
+
+if TYPE_CHECKING:
+    from .household import Household
+    from .training import Recipe
 
 Split = Literal["training", "validation"]
 
@@ -64,6 +67,22 @@ def names_of_test_sets(config: Config) -> list[str]:
     return [name for run in tuple_runs(config).values() for name in run.sets]
 
 
+def tuple_jobs(config: Config) -> int:
+    """Into how many jobs each run of SC-experiments is cut."""
+    return math.ceil(config.masks.tests.experiments / config.masks.tests.experiments_per_job)
+
+
+def places_of_map(config: Config) -> list[Place]:
+    """Where the local SCP is measured."""
+    settings = config.masks.map
+    return places(scene_of(config.apartment, settings.scene), settings.spacing, settings.headings)
+
+
+def map_jobs(config: Config) -> int:
+    """Into how many jobs they are cut."""
+    return math.ceil(len(places_of_map(config)) / config.masks.map.places_per_job)
+
+
 def robot_of_masks(config: Config) -> Robot:
     """The robot, its fixed joints where masks.fixed puts them. Raises RobotError."""
     masks = config.masks
@@ -78,6 +97,8 @@ def cameras_of_masks(config: Config, fields_of_view: Sequence[float]) -> list[Ca
 
 def household_of_pairs(config: Config, split: Split, job: int) -> Household:
     """Where the pairs of a job are made; objects and rooms in many colours and sizes."""
+    from .household import Household  # imports PyBullet, which checking a configuration does not need
+
     data, rng = config.masks.data, generator(config.seed, "masks", "pairs", split, job)
     scene = scene_of(config.apartment, data.scene)
     return Household(scene, robot_of_masks(config), cameras_of_masks(config, [data.field_of_view]), "training", rng, config.masks.objects)
@@ -85,6 +106,8 @@ def household_of_pairs(config: Config, split: Split, job: int) -> Household:
 
 def household_of_tests(config: Config, run: TupleRun, job: int) -> Household:
     """Where the SC-experiments of a job are played; objects and rooms as they are."""
+    from .household import Household
+
     rng, scene = generator(config.seed, "masks", "tests", run.name, job), run.scenes[job % len(run.scenes)]
     cameras = cameras_of_masks(config, list(run.sets.values()))
     return Household(scene_of(config.apartment, scene), robot_of_masks(config), cameras, run.family, rng, config.masks.objects, varied=False)
@@ -92,6 +115,8 @@ def household_of_tests(config: Config, run: TupleRun, job: int) -> Household:
 
 def recipe_of(config: Config, model: ModelName) -> Recipe:
     """How a model is trained."""
+    from .training import Recipe  # imports torch
+
     settings = config.masks.model(model)
     return Recipe(settings.visits, settings.batch_size, settings.learning_rate, settings.weight_decay)
 
@@ -126,6 +151,20 @@ def settings_of_data(config: Config) -> str:
                        masks.data.scene, masks.data.field_of_view, masks.data.pairs_per_job])  # fmt: skip
 
 
+def settings_of_tests(config: Config, run: TupleRun) -> str:
+    """Everything that the SC-experiments of a run depend on but the degree of freedom and their number, as JSON."""
+    masks, apartment = config.masks, config.apartment
+    return json.dumps([*_files(config, run.scenes), run, masks.fixed, masks.image_size, masks.objects, apartment.supersampling, config.seed,
+                       masks.tests.sequence_length, masks.tests.experiments_per_job])  # fmt: skip
+
+
+def settings_of_map(config: Config) -> str:
+    """Everything that the local SCP at a place depends on but the predictor and the degree of freedom, as JSON."""
+    masks, apartment = config.masks, config.apartment
+    return json.dumps([*_files(config, [masks.map.scene]), masks.map.model_dump(mode="json"), masks.fixed, masks.image_size,
+                       masks.data.field_of_view, apartment.supersampling, config.seed])  # fmt: skip
+
+
 def settings_of_training(config: Config, model: ModelName) -> str:
     """Everything that a trained model depends on, as JSON."""
     settings = config.masks.model(model).model_dump(mode="json")
@@ -145,8 +184,8 @@ def check_masks(config: Config) -> None:
             raise ConfigError(f"masks.map.low: {settings.scene!r} has no furniture {name!r}; name furniture of its floor plan")
 
 
-def _files(config: Config, scenes: Sequence[str]) -> list[str]:
+def _files(config: Config, scenes: Sequence[str]) -> list[tuple[str, ...]]:
     """Contents of the files that describe the robot and scenes."""
     settings = config.apartment
-    paths = [settings.robots[config.masks.robot].description, *(settings.scenes[scene].file for scene in scenes)]
-    return [Path(path).read_text(encoding="utf-8") for path in paths if path is not None]
+    robot = contents(settings.robots[config.masks.robot].description, "robot")
+    return [robot, *(contents(settings.scenes[scene].file, "scene") for scene in scenes)]

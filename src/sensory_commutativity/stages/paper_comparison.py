@@ -25,6 +25,7 @@ from ..statistics.hierarchy import ALPHA, HIERARCHY, LEFT_AND_RIGHT, ordered_dif
 from ..tables import TABLES, read_table, write_table
 from .apartment_claims import apartment_claims
 from .claims import Claim, p_of_claim
+from .mask_claims import mask_claims
 from .navigation_claims import navigation_claims
 
 ALMOST = 0.9
@@ -49,6 +50,7 @@ def compare_with_paper(tables: dict[str, pd.DataFrame], config: Config) -> list[
         _philipona(tables["flatland_commutation"], config.flatland.commutation.settled_world, "where nothing moves by itself"),
         *_alternatives(tables["flatland_baselines"].set_index("dof"), tables["flatland_alternatives"].set_index("alternative")),
         *apartment_claims(tables, config),
+        *mask_claims(tables, config),
         *navigation_claims(tables["navigation_summary"], tables["navigation_comparisons"], config),
     ]
 

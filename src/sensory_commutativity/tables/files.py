@@ -19,6 +19,7 @@ from ..provenance import provenance
 from .apartment import APARTMENT
 from .columns import BOOL, FLOAT, NULLABLE, TEXT, Column, Tables
 from .flatland import FLATLAND
+from .masks import MASKS
 from .navigation import NAVIGATION
 
 PAPER: Tables = {
@@ -33,7 +34,7 @@ PAPER: Tables = {
     ),
 }
 
-TABLES: Tables = {**FLATLAND, **APARTMENT, **NAVIGATION, **PAPER}
+TABLES: Tables = {**FLATLAND, **APARTMENT, **MASKS, **NAVIGATION, **PAPER}
 
 
 def schema(name: str) -> pa.Schema:

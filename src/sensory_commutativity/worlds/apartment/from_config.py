@@ -7,7 +7,7 @@ import json
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -21,7 +21,9 @@ from .camera import Camera
 from .robot import load_robot
 from .scene import Area, Fixture, Part, Scene
 from .scenefile import load_scene, scene_files
-from .world import ApartmentWorld
+
+if TYPE_CHECKING:
+    from .world import ApartmentWorld
 
 FLOOR_EXTENT = 30.0
 """Metres from the middle of an empty floor to where it ends, for the eye only; chosen: seen from a head at 1.3 m that is less than three pixels of 128 below
@@ -45,6 +47,8 @@ def scene_of(settings: ApartmentConfig, scene: str) -> Scene:
 
 def apartment_world(config: Config, robot: str, scene: str, start: str, views: Sequence[float] = ()) -> ApartmentWorld:
     """The robot in the scene, both by name, seen through fields of view in degrees; through the first of the configuration's if none are given."""
+    from .world import ApartmentWorld  # imports PyBullet, which checking a configuration does not need
+
     settings = config.apartment
     size, within = settings.image_size, settings.reach if start == "within-reach" else None
     cameras = [Camera(size, size, float(view), settings.supersampling) for view in views or settings.fields_of_view[:1]]

@@ -6,7 +6,7 @@ where to start.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
@@ -200,20 +200,15 @@ class Simulation:
         pybullet.performCollisionDetection(physicsClientId=self._client)
         return any(point[8] < -depth for point in pybullet.getContactPoints(self._robot, physicsClientId=self._client))
 
-    def clearance(self, most: float, links: Collection[int] | None = None, fixtures: bool = True, movables: bool = True) -> float:
+    def clearance(self, most: float, links: Collection[int] | None = None) -> float:
         """Metres from the robot, or some of its links (numbers as in :class:`.body.Body`), to the nearest thing; at most `most`."""
-        nearest = most
-        wanted = None if links is None else {number for number, collider in self._colliders.items() if collider.link in links}
-        for body in (*(self._scenery.fixtures if fixtures else ()), *(self._scenery.movables if movables else ())):
-            for point in pybullet.getClosestPoints(self._robot, body, nearest, physicsClientId=self._client):
-                if wanted is None or point[3] in wanted:
-                    nearest = min(nearest, point[8])
-        return nearest
+        nearest, _ = self.nearest_fixture(most, links)
+        return min(nearest, self._nearest(self._scenery.movables, nearest, links)[0])
 
-    def links_of(self, *groups: str) -> tuple[int, ...]:
-        """The links that are moved by degrees of freedom of these groups, themselves: numbers as in :class:`.body.Body`."""
-        names = {name for dof in self.robot.description.dofs if dof.group in groups for name in dof.joints}
-        return tuple(i for i, joint in enumerate(self.robot.joints, start=1) if joint.name in names)
+    def nearest_fixture(self, most: float, links: Collection[int] | None = None) -> tuple[float, int | None]:
+        """The same of fixtures alone, and the number of the nearest one in the scene; None if there is none within `most`."""
+        nearest, body = self._nearest(self._scenery.fixtures, most, links)
+        return nearest, None if body is None else self._scenery.fixtures[body]
 
     # ---- objects by hand --------------------------------------------------------------------------------------------------
 
@@ -265,6 +260,16 @@ class Simulation:
             if point[9] > 0:  # pressed, not only near
                 events |= self._bit_of[point[2] if point[1] == self._robot else point[1]]
         return events
+
+    def _nearest(self, bodies: Iterable[int], most: float, links: Collection[int] | None) -> tuple[float, int | None]:
+        """Distance from the robot's links to the nearest of PyBullet's `bodies`, at most `most`, and which it is."""
+        nearest, found = most, None
+        wanted = None if links is None else {number for number, collider in self._colliders.items() if collider.link in links}
+        for body in bodies:
+            for point in pybullet.getClosestPoints(self._robot, body, nearest, physicsClientId=self._client):
+                if (wanted is None or point[3] in wanted) and point[8] < nearest:
+                    nearest, found = point[8], body
+        return nearest, found
 
     def _measured(self) -> np.ndarray:
         return np.array([state[0] for state in pybullet.getJointStates(self._robot, self._axes, physicsClientId=self._client)])

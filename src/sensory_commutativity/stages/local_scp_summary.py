@@ -1,0 +1,67 @@
+"""Does the local SCP show where immovable things are? (paper: low near walls and furniture, in the kitchen; high in open space and over low things)"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.stats import mannwhitneyu
+
+from ..config import Config
+from ..seeding import generator
+from ..statistics.aggregates import percentile_interval
+from ..tables import read_table, write_table
+
+RESAMPLES = 2_000
+DECIDED = {"predictor": "scp", "simulator": "scp_true"}
+
+
+def area_under_curve(scp: np.ndarray, within: np.ndarray) -> float:
+    """Area under the ROC curve of 1 - scp, float (n,), for `within`, bool (n,); NaN unless there are both kinds."""
+    if within.all() or not within.any():
+        return float("nan")
+    return float(mannwhitneyu(-scp[within], -scp[~within]).statistic / (within.sum() * (~within).sum()))
+
+
+def regions(table: pd.DataFrame, config: Config) -> dict[str, np.ndarray]:
+    """Name -> which rows of a local_scp table belong to it, bool (n,)."""
+    return {
+        "open": (table["clearance"] > config.apartment.reach).to_numpy(),
+        config.masks.map.cramped: (table["room"] == config.masks.map.cramped).to_numpy(),
+        "over low things": table["over_low"].to_numpy(),
+    }
+
+
+def summarised(table: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """Rows of the table local_scp_summary. Intervals: bootstrap over places, all headings of a place together."""
+    rows = []
+    for decided_by, column in DECIDED.items():
+        found = table.assign(scp=table[column])
+        rng = generator(config.seed, "masks", "map", "summary", decided_by)
+        rows.append(("auc", "all", decided_by, *_with_interval(found, _auc, rng)))
+        for name, chosen in regions(table, config).items():
+            rows.append(("median", name, decided_by, *_with_interval(found[chosen], lambda part: float(part["scp"].median()), rng)))
+    return pd.DataFrame(rows, columns=["measure", "where", "decided_by", "n", "value", "ci_low", "ci_high"])
+
+
+def _auc(table: pd.DataFrame) -> float:
+    return area_under_curve(table["scp"].to_numpy(), table["within_reach"].to_numpy())
+
+
+def _with_interval(table: pd.DataFrame, measure: Callable[[pd.DataFrame], float], rng: np.random.Generator) -> tuple[int, float, float, float]:
+    if not len(table):
+        return 0, float("nan"), float("nan"), float("nan")
+    groups = list(table.reset_index(drop=True).groupby(["x", "y"]).indices.values())
+    resampled = []
+    for _ in range(RESAMPLES):
+        chosen = np.concatenate([groups[i] for i in rng.integers(len(groups), size=len(groups))])
+        resampled.append(measure(table.iloc[chosen]))
+    resampled = np.array(resampled)[np.isfinite(resampled)]
+    return len(table), measure(table), *(percentile_interval(resampled, 0.95) if len(resampled) else (float("nan"), float("nan")))
+
+
+def write_summary(local_scp: Path, out: Path, config: Config) -> None:
+    """By the mask predictor, and by what the simulator knows."""
+    write_table("local_scp_summary", summarised(read_table("local_scp", local_scp), config), out, config)
