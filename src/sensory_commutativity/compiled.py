@@ -9,21 +9,19 @@ from __future__ import annotations
 
 import hashlib
 import os
-import tempfile
 from functools import partial
 from pathlib import Path
 
 import numba
+
+from .folders import cache_folder
 
 
 def _cache_folder() -> Path:
     digest = hashlib.sha256(numba.__version__.encode())
     for source in sorted((Path(__file__).parent / "worlds").rglob("*.py")):
         digest.update(source.read_bytes())
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    if not os.access(base if base.exists() else base.parent, os.W_OK):
-        base = Path(tempfile.gettempdir())
-    return base / "sensory-commutativity" / "numba" / digest.hexdigest()[:16]
+    return cache_folder("numba", digest.hexdigest()[:16])
 
 
 if not os.environ.get("NUMBA_CACHE_DIR"):

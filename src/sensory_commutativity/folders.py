@@ -1,7 +1,8 @@
-"""Can results be written where they should go? Asked before any work is done."""
+"""Where files go: can results be written where they should (asked before any work is done), and where is kept what is made or fetched once?"""
 
 from __future__ import annotations
 
+import os
 import tempfile
 from pathlib import Path
 
@@ -22,3 +23,11 @@ def check_writable(folder: Path) -> None:
     except OSError as error:
         where = error.filename or folder
         raise ConfigError(f"{where}: cannot be written to ({error.strerror}), so results cannot go to {folder}; {remedy}") from None
+
+
+def cache_folder(*below: str) -> Path:
+    """Where files are kept between runs: below XDG_CACHE_HOME, ~/.cache or, where neither can be written to, the user's own temporary folder."""
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    if not os.access(next(path for path in (base, *base.parents) if path.exists()), os.W_OK):
+        base = Path(tempfile.gettempdir()) / f"cache-{os.getuid()}"
+    return base.joinpath("sensory-commutativity", *below)

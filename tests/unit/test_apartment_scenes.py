@@ -176,11 +176,24 @@ def test_a_users_own_mesh_becomes_a_scene(tmp_path, suffix, up):
     (fixture,) = scene.fixtures
     vertices = np.concatenate([part.mesh.vertices for part in fixture.parts])
     assert vertices.max(0) == pytest.approx((2.05, 1.55, 2.4), abs=1e-3) and vertices[:, 2].min() == pytest.approx(-0.1, abs=1e-3)
-    assert scene.areas[0].x == pytest.approx((-2.05, 2.05), abs=1e-3) and scene.movables[0].position == pytest.approx((0, 0, 0.151))
+    squares = np.array([(*area.x, *area.y) for area in scene.areas])
+    assert (squares[:, 0].min(), squares[:, 1].max()) == pytest.approx((-2.05, 2.05), abs=0.2)
+    assert np.prod(squares[:, 1::2] - squares[:, ::2], axis=1).sum() == pytest.approx(4.1 * 3.1, rel=0.1)
+    assert scene.movables[0].position == pytest.approx((0, 0, 0.151))
     (solid,) = fixture.solids
     assert solid.kind == "mesh" and (solid.vertices[solid.faces][..., 2].max(1) > 0.03).all()
     if suffix in ("ply", "glb"):
         assert {tuple(round(c, 1) for c in part.colour) for part in fixture.parts} == {(0.8, 0.1, 0.1), (0.1, 0.1, 0.8)}
+
+
+def test_a_robot_starts_only_where_there_is_floor(tmp_path):
+    """Rooms are seldom rectangles: of an L, the missing quarter is not started in."""
+    parts = [trimesh.creation.box((4, 2, 0.1), trimesh.transformations.translation_matrix((0, -1, -0.05)))]
+    parts.append(trimesh.creation.box((2, 2, 0.1), trimesh.transformations.translation_matrix((-1, 1, -0.05))))
+    trimesh.util.concatenate(parts).export(tmp_path / "room.ply")
+    scene = load_scene(written(tmp_path, {"kind": "mesh", "name": "mine", "mesh": "room.ply", "floor": 0.0}))
+    middles = np.array([(np.mean(area.x), np.mean(area.y)) for area in scene.areas])
+    assert len(middles) == 12 * 16 and not ((middles > 0).all(1)).any()
 
 
 def test_a_mesh_without_a_floor_is_refused(tmp_path):

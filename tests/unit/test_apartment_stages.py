@@ -33,12 +33,12 @@ def config() -> Config:
 
 
 def made_up(config: Config, scp: dict[str, dict[str, float]]) -> pd.DataFrame:
-    """Every run of the configuration, with N experiments; a fraction of each degree of freedom's experiments commutes at every threshold."""
+    """Every run of the configuration, with N experiments; a fraction of each degree of freedom's experiments commutes at every threshold, all in free space."""
     rows = []
     for run in config.apartment.runs():
         for d, (dof, value) in enumerate(scp[run.robot].items()):
             for i in range(N):
-                commutes = (i * 7 + d) % N < round(value * N)
+                commutes = run.scene == "free-space" or (i * 7 + d) % N < round(value * N)
                 for view in config.apartment.fields_of_view:
                     touched = 0 if commutes else 3
                     rows.append((*run[:4], dof, i, 1, view, touched, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.1, 5.0 if commutes else 900.0))
@@ -70,7 +70,8 @@ def test_the_scp_is_counted_at_every_threshold(file, config, scp, tmp_path):
     zero = table[(table["threshold"] == 0) & (table["robot"] == "fetch")]
     assert (zero["scp"] == 0).all()
     for row in table[(table["threshold"] == 50) & (table["robot"] == "fetch")].itertuples():
-        assert row.n == N and row.scp == pytest.approx(scp["fetch"][row.dof], abs=1 / N) and row.ci_low <= row.scp <= row.ci_high
+        expected = 1.0 if row.apartment == "free-space" else scp["fetch"][row.dof]
+        assert row.n == N and row.scp == pytest.approx(expected, abs=1 / N) and row.ci_low <= row.scp <= row.ci_high
 
 
 def test_steps_of_the_hierarchy_by_hand():
@@ -84,8 +85,11 @@ def test_steps_of_the_hierarchy_by_hand():
     assert row["p"] == pytest.approx(stats.ttest_1samp(expected, 0).pvalue) and row["ci_low"] < row["difference"] < row["ci_high"]
 
 
-def test_equal_differences_need_no_test():
-    assert paired_means(np.zeros(5)) == (0, 0, 1) and paired_means(np.full(5, -0.5)) == (-0.5, -0.5, 0)
+def test_equal_differences_are_judged_by_their_signs():
+    assert paired_means(np.zeros(5)) == (0, 0, 1)
+    low, high, p = paired_means(np.full(5, -0.5))
+    assert (low, p) == (-0.5, 2 * 0.5**5) and -0.5 < high < 0.5
+    assert paired_means(np.full(100, 1.0))[0] == pytest.approx(1 - 2 * 0.0362, abs=1e-3)  # Clopper-Pearson: up to 3.6 % of a hundred
 
 
 def test_the_hierarchy_of_both_robots_is_written(file, config, tmp_path):
@@ -133,7 +137,7 @@ def claims(experiments, config, tmp_path) -> dict[str, bool]:
 
 def test_all_claims_hold_where_all_is_as_the_paper_says(experiments, config, tmp_path):
     found = claims(experiments, config, tmp_path)
-    assert len(found) == 6 and all(found.values()), found
+    assert len(found) == 9 and all(found.values()), found
 
 
 @pytest.mark.parametrize(
@@ -141,6 +145,7 @@ def test_all_claims_hold_where_all_is_as_the_paper_says(experiments, config, tmp
     [
         ("left-wheel", 0.6, "fetch: the wheels have the lowest SCP"),
         ("torso-lift", 0.9, "fetch: torso-lift always commutes"),
+        ("shoulder-pan", 0.8, "fetch: the arm joint nearest the body has the SCP nearest .5"),
         ("wrist-roll", 0.3, "fetch: the SCP rises along wheel < shoulder < elbow < wrist"),
     ],
 )
@@ -148,3 +153,26 @@ def test_a_claim_fails_where_it_does_not_hold(dof, value, fails, scp, config, tm
     changed = {**scp, "fetch": {**scp["fetch"], dof: value}}
     found = claims(made_up(config, changed), config, tmp_path)
     assert not found[fails] and found["jackrabbot: the wheels have the lowest SCP"]
+
+
+def test_free_space_that_does_not_commute_is_told(experiments, config, tmp_path):
+    spoilt = experiments.copy()
+    spoilt.loc[(spoilt["apartment"] == "free-space") & (spoilt["robot"] == "fetch") & (spoilt["experiment"] == 0), "distance"] = 900.0
+    found = claims(spoilt, config, tmp_path)
+    assert not found["fetch: in free space everything commutes"] and found["jackrabbot: in free space everything commutes"]
+
+
+def test_a_robot_without_a_hierarchy_has_a_table_without_rows_and_no_such_claim(tmp_path, config):
+    """As the smallest description in config/robots/README.md: an arm that is fixed to the floor, and nothing expected of it."""
+    from sensory_commutativity.config import merge, validate
+
+    from .test_apartment_robot import written as write_robot
+
+    write_robot(tmp_path, {"start": {"turn": [-0.5, 0.5]}})
+    mine = {"robots": {"mine": {"description": str(tmp_path / "mine.yaml")}}, "reference": {"robot": "mine"}, "robots_compared": {"robots": []}}
+    mine |= {"scenes_compared": {"robots": ["mine"]}, "within_reach": {"robots": ["mine"]}, "free_space": {"robots": ["mine"]}}
+    config = validate(merge(config.model_dump(mode="json"), {"apartment": mine, "masks": {"robot": "mine", "fixed": {}}}))
+    dofs = [dof.name for dof in load_robot(tmp_path / "mine.yaml").dofs]
+    found = claims(made_up(config, {"mine": dict.fromkeys(dofs, 0.5)}), config, tmp_path)
+    assert read_table("apartment_hierarchy", tmp_path / "h.parquet").empty
+    assert not any("rises" in claim or "wheels" in claim for claim in found) and found["mine: in free space everything commutes"]

@@ -10,10 +10,11 @@ import pytest
 from sensory_commutativity.config import load, merge, validate
 from sensory_commutativity.errors import ConfigError
 from sensory_commutativity.experiment import endings_per_dof
+from sensory_commutativity.perceptual.weights import Weights, WeightsError
 from sensory_commutativity.stages.apartment_experiments import run_experiments
 from sensory_commutativity.tables import TABLES
 from sensory_commutativity.worlds.apartment.camera import Camera
-from sensory_commutativity.worlds.apartment.from_config import apartment_world, check_apartment, empty_floor
+from sensory_commutativity.worlds.apartment.from_config import apartment_world, check_apartment, check_ready, contents, empty_floor
 from sensory_commutativity.worlds.apartment.robot import load_robot
 from sensory_commutativity.worlds.apartment.scene import Area, Fixture, Scene, Solid
 from sensory_commutativity.worlds.apartment.starts import StartError, draw_start
@@ -155,6 +156,56 @@ def test_a_file_that_is_not_there_is_told_before_any_work(config, change, messag
     settings = validate(merge(config.model_dump(mode="json"), {"apartment": change}))
     with pytest.raises(Exception, match=message):
         check_apartment(settings)
+
+
+def test_what_only_trying_can_tell_is_told_with_its_key_before_the_long_work(tmp_path, config, monkeypatch):
+    (tmp_path / "full.yaml").write_text(
+        "kind: floor-plan\nname: full\nrooms: {room: {x: [0.0, 1.2], y: [0.0, 1.2]}}\n"
+        "furniture: [{type: table, name: block, at: [0.6, 0.6], size: [1.0, 1.0, 0.7]}]\n"
+    )
+    monkeypatch.setattr("sensory_commutativity.worlds.apartment.from_config.vgg16_weights", lambda file: Weights((), "made up"))
+    monkeypatch.setattr("sensory_commutativity.worlds.apartment.starts.TRIES", 20)
+    change = {"scenes": {"rs-stand-in": {"file": str(tmp_path / "full.yaml")}}}
+    settings = validate(merge(config.model_dump(mode="json"), {"apartment": change}))
+    with pytest.raises(ConfigError, match=r"config: apartment\.robots\.fetch in apartment\.scenes\.rs-stand-in: scene 'full'.* is a valid start"):
+        check_ready(settings)
+
+
+def test_weights_that_cannot_be_had_are_told_before_the_long_work(config):
+    settings = validate(merge(config.model_dump(mode="json"), {"apartment": {"weights": "nowhere/vgg16.npz"}}))
+    with pytest.raises(WeightsError, match=r"apartment\.weights: there is no file nowhere/vgg16\.npz"):
+        check_ready(settings)
+
+
+def test_a_robot_fixed_to_the_floor_is_put_back_where_it_stood(tmp_path):
+    write_robot(tmp_path, {"start": {"turn": [-0.5, 0.5]}})
+    world = ApartmentWorld(empty_floor("free"), load_robot(tmp_path / "mine.yaml"), (SMALL,))
+    places = []
+    for seed in (0, 1):
+        world.reset(np.random.default_rng(seed))
+        places.append((world.snapshot(), world.simulation.base(), world.observe()))
+    for start, base, seen in places:
+        world.restore(start)
+        assert np.array_equal(world.simulation.base(), base) and np.array_equal(world.observe(), seen)
+    assert not np.array_equal(places[0][1], places[1][1])
+    world.simulation.close()
+
+
+def test_a_world_sees_as_wide_as_its_robot_says():
+    robot = load_robot(ROBOTS / "fetch.yaml")
+    world = ApartmentWorld(empty_floor("free"), robot)
+    assert [camera.field_of_view for camera in world.cameras] == [robot.description.camera.field_of_view]
+    world.simulation.close()
+
+
+def test_what_a_run_depends_on_is_hashed_down_to_the_urdf(tmp_path, config):
+    write_robot(tmp_path, {"start": {"turn": [-0.5, 0.5]}})
+    before = contents(str(tmp_path / "mine.yaml"), "robot")
+    urdf = load_robot(tmp_path / "mine.yaml").urdf.path
+    urdf.write_text(urdf.read_text() + "<!-- changed -->")
+    contents.cache_clear()
+    after = contents(str(tmp_path / "mine.yaml"), "robot")
+    assert before[0] == after[0] and before[1] != after[1]
 
 
 def test_free_space_must_be_free(config):

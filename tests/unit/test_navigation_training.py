@@ -10,10 +10,10 @@ from sb3_contrib.common.recurrent.buffers import RecurrentRolloutBuffer
 from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
 from stable_baselines3.common.callbacks import BaseCallback
 
+from sensory_commutativity.checkpoints import Checkpoint, CheckpointError, load_state, save_state
 from sensory_commutativity.config import load
 from sensory_commutativity.navigation import training
 from sensory_commutativity.navigation.action_spaces import ScaledAction
-from sensory_commutativity.checkpoints import Checkpoint, CheckpointError, load_state, save_state
 from sensory_commutativity.navigation.evaluation import evaluate
 from sensory_commutativity.navigation.from_config import evaluation_seeds, measured_scp, navigation_environment, navigation_rooms, scales_of_run
 from sensory_commutativity.navigation.recurrent import RoomPolicy

@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from sensory_commutativity.config import load
-from sensory_commutativity.figures.catalogue import FIGURES
+from sensory_commutativity.figures.catalogue import ARRAYS, FIGURES, source_file
 from sensory_commutativity.tables import TABLES, read_table
 
 from .running import ENVIRONMENT, command, copy_workflow, hashes, snakemake
@@ -35,7 +35,7 @@ def test_no_room_for_the_things_is_said_before_any_job(tmp_path: Path) -> None:
 
 def test_it_makes_every_table_and_figure_and_nothing_half_done(finished: Path) -> None:
     results = finished / "results" / "test"
-    assert {p.stem for p in (results / "tables").iterdir()} == WRITTEN
+    assert {p.name for p in (results / "tables").iterdir()} == {source_file(name) for name in WRITTEN | set(ARRAYS)}
     expected = {f"{name}.{kind}" for name in FIGURES for kind in ("png", "pdf")} | {"flatland_experiment.gif"}
     expected |= {
         f"navigation_episode_{name}.gif"
@@ -67,7 +67,7 @@ def test_tables_have_the_promised_rows(finished: Path) -> None:
 
 def test_tables_say_where_they_come_from(finished: Path) -> None:
     config = load(finished / "config" / "default.yaml", finished / "config" / "test.yaml")
-    for path in (finished / "results" / "test" / "tables").iterdir():
+    for path in (finished / "results" / "test" / "tables").glob("*.parquet"):
         metadata = pq.read_schema(path).metadata
         assert metadata[b"table"].decode() == path.stem
         assert metadata[b"config_sha256"].decode() == config.digest()
@@ -93,6 +93,16 @@ def test_a_second_run_does_nothing(finished: Path) -> None:
             {"flatland_experiments_part", "flatland_commutation", "navigation_run"},
         ),
         ("flatland: {combinations: {experiments: 11}}", {"flatland_experiments_part", "flatland_scp"}, {"navigation_run", "navigation_scores"}),
+        (
+            "apartment: {thresholds: [0.0, 20.0, 50.0]}",
+            {"apartment_scp", "apartment_hierarchy", "apartment_order"},
+            {"apartment_experiments_part", "flatland_scp", "mask_pairs"},
+        ),
+        ("apartment: {reach: 0.2}", {"apartment_experiments_part"}, {"flatland_experiments_part", "mask_pairs"}),
+        ("apartment: {image_size: 48}", {"apartment_experiments_part"}, {"flatland_experiments_part", "mask_pairs"}),
+        ("masks: {tests: {tuples: 3}}", {"mask_model_scores", "mask_summary"}, {"mask_tuples", "mask_training", "apartment_experiments_part"}),
+        ("masks: {raft: {learning_rate: 0.002}}", {"mask_training", "mask_model_scores"}, {"mask_pairs", "mask_tuples"}),
+        ("masks: {map: {spacing: 1.5}}", {"local_scp_part", "local_scp_summary"}, {"mask_training", "mask_tuples"}),
         ("navigation: {alpha: 0.01}", {"navigation_comparisons", "navigation_calibration"}, {"navigation_run", "navigation_scores"}),
         ("flatland: {baselines: {epochs: 3}}", {"flatland_baselines_part"}, {"flatland_experiments_part", "flatland_scp"}),
         ("navigation: {learner: {epochs: 3}}", {"navigation_run", "navigation_curves"}, {"flatland_scp", "navigation_action_spaces"}),

@@ -14,7 +14,7 @@ from .common import with_out
 @click.command()
 @click.argument("files", nargs=-1, required=True)
 def check(files: tuple[str, ...]) -> None:
-    """Check config FILES, each laid over the ones before: settings, the folder for results, robots and scenes, and that agents and things fit into their rooms."""
+    """Check config FILES, each laid over the ones before: settings, the folder for results, robots, scenes, and that things fit into their rooms."""
     from ..folders import check_writable
     from ..masks.from_config import check_masks
     from ..navigation.from_config import check_navigation

@@ -106,6 +106,8 @@ class ApartmentConfig(Section):
                 f"sensitivity.experiments {self.sensitivity.experiments} is more than reference.experiments {self.reference.experiments}, "
                 "from which the main length is taken; set it no higher"
             )
+        if list(self.thresholds) != sorted(self.thresholds):
+            raise ValueError(f"thresholds {self.thresholds} do not rise; write the lowest first")
         keys = [run[:4] for run in self.runs()]
         for key in keys:
             if keys.count(key) > 1:

@@ -22,7 +22,8 @@ def _sweep(axes: Axes, table: pd.DataFrame, config: Config) -> None:
         rows = table[table["dof"] == dof.name].set_index("threshold").loc[thresholds]
         axes.plot(range(len(thresholds)), rows["scp"], label=dof_label(dof.name), markersize=4, **styles[dof.name])
         axes.fill_between(range(len(thresholds)), rows["ci_low"], rows["ci_high"], color=styles[dof.name]["color"], alpha=0.08, linewidth=0)
-    axes.axvspan(*(np.interp([20, 100], thresholds, range(len(thresholds)))), color=GREY, alpha=0.15, linewidth=0, zorder=0)
+    if thresholds[0] <= 20 and thresholds[-1] >= 100:
+        axes.axvspan(*(np.interp([20, 100], thresholds, range(len(thresholds)))), color=GREY, alpha=0.15, linewidth=0, zorder=0)
     axes.set_xticks(range(len(thresholds)), [f"{threshold:g}" for threshold in thresholds])
     axes.set_xlabel("threshold: squared distance of VGG16 features (grey: the paper's range)")
     axes.set_ylabel("SCP")

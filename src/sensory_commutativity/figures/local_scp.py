@@ -39,7 +39,10 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(15.5, 5.2))
     for axes, title in (
         (left, settings.scene),
-        (middle, f"local SCP of {config.masks.robot}'s arm, {settings.experiments} SC-experiments of {settings.sequence_length} steps\neach; squares: mean of headings, dots: each heading"),
+        (
+            middle,
+            f"local SCP of {config.masks.robot}'s arm, {settings.experiments} SC-experiments of {settings.sequence_length} steps\neach; squares: mean of headings, dots: each heading",
+        ),
         (right, "truth: metres from the swept arm to the nearest\nimmovable thing, below 0 inside it"),
     ):
         axes.imshow(picture, extent=extent, alpha=1.0 if axes is left else 0.35)

@@ -9,7 +9,11 @@ from matplotlib.figure import Figure
 from ..config import Config
 from .mask_iou import MODEL_STYLES
 
-_MEASURES = {"loss": "training loss", "accuracy": "accuracy of the three outcomes,\nheld-out pairs", "iou": "mean IoU where something moved,\nheld-out pairs"}
+_MEASURES = {
+    "loss": "training loss",
+    "accuracy": "accuracy of the three outcomes,\nheld-out pairs",
+    "iou": "mean IoU where something moved,\nheld-out pairs",
+}
 
 
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
@@ -27,5 +31,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
             axes.set_ylim(0, 1.03)
     grid[0].legend()
     data = config.masks.data
-    figure.suptitle(f"{3 * data.pairs:,} pairs to learn from, {3 * data.validation_pairs:,} held out; one run each, half resolution first", fontsize=9)
+    figure.suptitle(
+        f"{3 * data.pairs:,} pairs to learn from, {3 * data.validation_pairs:,} held out; one run each, half resolution first", fontsize=9
+    )
     return figure

@@ -26,7 +26,9 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         left.annotate(f"{row['per_hundred']:.1f}{against}", (k, row["ci_high"]), textcoords="offset points", xytext=(0, 3), ha="center", fontsize=8)
     left.set_ylabel("experiments in which a moved object\nis found, per hundred")
     left.set_ylim(0, max(1.0, 1.3 * table["ci_high"].max()))
-    for dx, (kind, colour, label) in enumerate((("hits", BLUE, "something immovable was touched"), ("false_hits", GREY, "nothing immovable was touched"))):
+    for dx, (kind, colour, label) in enumerate(
+        (("hits", BLUE, "something immovable was touched"), ("false_hits", GREY, "nothing immovable was touched"))
+    ):
         value = table[kind].to_numpy(float)
         error = np.maximum(0, np.nan_to_num([value - table[f"{kind}_low"], table[f"{kind}_high"] - value]))
         right.bar(x + 0.3 * (2 * dx - 1) / 1.6, value, color=colour, width=0.34, label=label)

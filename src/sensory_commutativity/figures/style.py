@@ -77,7 +77,8 @@ def dof_styles(robot: Robot) -> dict[str, dict[str, str]]:
     """How each degree of freedom of a robot is drawn as a line: colour of its group, marker and dashes of its own."""
     colours = group_colours(robot)
     ways = [(marker, line) for line in ("-", "--", ":") for marker in "os^vD"]
-    return {dof.name: dict(color=colours[dof.group], marker=ways[i][0], linestyle=ways[i][1]) for i, dof in enumerate(robot.description.dofs)}
+    styles = [dict(marker=marker, linestyle=line) for marker, line in ways]
+    return {dof.name: dict(color=colours[dof.group], **styles[i % len(styles)]) for i, dof in enumerate(robot.description.dofs)}
 
 
 def dof_label(dof: str, lines: bool = False) -> str:

@@ -11,12 +11,12 @@ import pandas as pd
 
 from ..config import Config, ModelName
 from ..errors import ConfigError
+from ..mapping.places import Place, places
 from ..seeding import generator, seed_for
 from ..worlds.apartment.camera import Camera
 from ..worlds.apartment.from_config import contents, scene_of
 from ..worlds.apartment.objects import Family
 from ..worlds.apartment.robot import Robot, load_robot, with_fixed
-from ..mapping.places import Place, places
 
 if TYPE_CHECKING:
     from .household import Household

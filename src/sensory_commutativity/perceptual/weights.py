@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UserError
+from ..folders import cache_folder
 
 BLOCKS = (2, 2, 3, 3, 3)
 """Convolutions in each of the five blocks."""
@@ -103,11 +104,8 @@ def vgg16_weights(file: str | Path | None = None) -> Weights:
 
 
 def cache_file() -> Path:
-    """Where the weights are kept: below XDG_CACHE_HOME, ~/.cache, or the system's temporary folder."""
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    if not os.access(base if base.exists() else base.parent, os.W_OK):
-        base = Path(tempfile.gettempdir())
-    return base / "sensory-commutativity" / "weights" / "vgg16.npz"
+    """Where the weights are kept."""
+    return cache_folder("weights") / "vgg16.npz"
 
 
 # ---- sources -------------------------------------------------------------------------------------------------------------------

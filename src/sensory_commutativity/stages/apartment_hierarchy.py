@@ -16,7 +16,7 @@ from scipy import stats
 from ..config import Config
 from ..estimate import commutes
 from ..statistics.paired import holm
-from ..tables import read_table, write_table
+from ..tables import TABLES, read_table, write_table
 from ..worlds.apartment.robot import load_robot
 from .apartment_scp import CONDITION
 
@@ -52,10 +52,17 @@ def group_steps(experiments: pd.DataFrame, groups: dict[str, list[str]], thresho
 
 
 def paired_means(difference: np.ndarray, confidence: float = 0.95) -> tuple[float, float, float]:
-    """Interval of the mean of paired differences (n,), and the two-sided p-value of its being 0 (Student's t): (low, high, p)."""
-    mean = float(difference.mean())
-    if np.ptp(difference) == 0:
-        return mean, mean, float(mean == 0)
+    """Interval of the mean of paired differences (n,), and the two-sided p-value of its being 0: (low, high, p).
+
+    Student's t; where all differences are equal, and not 0, the exact sign test, and as the interval what is left when as many of them have the other
+    sign as the Clopper-Pearson interval of none in n allows.
+    """
+    mean, n = float(difference.mean()), len(difference)
+    if np.ptp(difference) == 0:  # no variance to test with: the exact sign test, and an interval that no further value of another sign would leave
+        if mean == 0:
+            return 0.0, 0.0, 1.0
+        ends = sorted((mean, mean * (1 - 2 * (1 - ((1 - confidence) / 2) ** (1 / n)))))
+        return ends[0], ends[1], min(1.0, 2.0 ** (1 - n))
     low, high = stats.t.interval(confidence, len(difference) - 1, mean, stats.sem(difference))
     return float(low), float(high), float(stats.ttest_1samp(difference, 0).pvalue)
 
@@ -69,4 +76,5 @@ def write_hierarchy(experiments: Path, out: Path, config: Config) -> None:
         groups = descriptions[condition[0]].hierarchy
         for threshold in config.apartment.thresholds if len(groups) > 1 else ():
             tables.append(group_steps(rows, groups, threshold).assign(threshold=threshold, **dict(zip(CONDITION, condition, strict=True))))
-    write_table("apartment_hierarchy", pd.concat(tables, ignore_index=True), out, config)
+    frame = pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=[column.name for column in TABLES["apartment_hierarchy"]])
+    write_table("apartment_hierarchy", frame, out, config)

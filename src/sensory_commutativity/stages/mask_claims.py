@@ -73,7 +73,9 @@ def _map(summary: pd.DataFrame, config: Config) -> list[Claim]:
     rows = summary[summary["decided_by"] == "predictor"].set_index("where")
     curve, free, cramped = rows.loc["all"], rows.loc["open"], rows.loc[config.masks.map.cramped]
     ends = (curve["ci_low"], curve["ci_high"])
-    medians = f"median {free['value']:.2f} in open space (n = {int(free['n'])}), {cramped['value']:.2f} in the {cramped.name} (n = {int(cramped['n'])})"
+    medians = (
+        f"median {free['value']:.2f} in open space (n = {int(free['n'])}), {cramped['value']:.2f} in the {cramped.name} (n = {int(cramped['n'])})"
+    )
     return [
         Claim(
             "the local SCP is low where walls and furniture are in the arm's way", "IV-A", "map", f"area under the ROC curve {curve['value']:.3f}",

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import torch
+from tqdm import tqdm
 
 from ..checkpoints import Checkpoint
 from ..config import Config, ModelName
@@ -22,7 +23,6 @@ from ..masks.store import Pairs, read_pairs
 from ..masks.training import Trainer, learning_rate
 from ..provenance import package_versions, provenance
 from ..tables import read_table, write_table
-from tqdm import tqdm
 
 SAVED_EVERY = 45.0
 """Seconds between checkpoints: a kill loses so much."""

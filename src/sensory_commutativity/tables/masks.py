@@ -93,7 +93,9 @@ MASKS: Tables = {
         Column("scp", FLOAT, "1", "local SCP: the fraction of the others"),
         *INTERVAL,
         Column("scp_true", FLOAT, "1", "the same by the outcomes that the simulator knows"),
-        Column("clearance", FLOAT, "m", "from the arm, swept as far as half of all sequences do, to the nearest fixture; at most 1, below 0 inside it"),
+        Column(
+            "clearance", FLOAT, "m", "from the arm, swept as far as half of all sequences do, to the nearest fixture; at most 1, below 0 inside it"
+        ),
         Column("within_reach", BOOL, "", "whether the swept arm meets a fixture"),
         Column("nearest_object", TEXT, "", "name of the nearest fixture; empty if none is within a metre"),
         Column("over_low", BOOL, "", "whether the swept arm passes over something low, and meets nothing"),

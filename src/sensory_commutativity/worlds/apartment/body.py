@@ -26,6 +26,7 @@ from ...compiled import njit
 from . import frames as fr
 from .robot import Robot
 from .scene import Mesh, Part
+from .scenery import WEIGHTLESS
 from .shapes import hull_points, kept, write_points
 from .urdf import Joint, Link, RobotError, Shape
 
@@ -34,7 +35,6 @@ BASE_JOINTS = ("base-x", "base-y", "base-heading")
 
 _PLAIN = (0.6, 0.6, 0.62)  # chosen: grey, where a URDF gives no colour
 _LIGHTEST = 0.1  # kg; chosen: what a link without any mass weighs, as the joints that carry the base, little beside every robot
-_WEIGHTLESS = 1e-4  # kg; chosen: a link that only carries a collision shape
 _SMALLEST = 0.01  # metres; chosen: a link resists turning at least as a ball of this radius of gyration does
 
 
@@ -206,7 +206,7 @@ def _make(folder: Path, robot: Robot, where: dict, parents: np.ndarray, frames: 
         _write_link(root, f"link-{i}", _together(members), [collider for collider in colliders if collider.name == f"link-{i}"], folder)
     for collider in colliders:
         if collider.name != f"link-{collider.link}":
-            _write_link(root, collider.name, (_WEIGHTLESS, np.eye(4), np.full(3, _WEIGHTLESS * _SMALLEST**2)), [collider], folder)
+            _write_link(root, collider.name, (WEIGHTLESS, np.eye(4), np.full(3, WEIGHTLESS * _SMALLEST**2)), [collider], folder)
             _write_joint(root, collider.name, "fixed", f"link-{collider.link}", collider.name, np.eye(4), (0, 0, 1))
     for i, joint in enumerate(robot.joints, start=1):
         kind = "prismatic" if joint.kind == "prismatic" else "continuous"

@@ -120,23 +120,40 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
     )
 
 
+def coloured_from_file(path: Path) -> tuple[Mesh, np.ndarray | None]:
+    """A mesh file as :func:`from_file` reads it, and the colour of every face, float64 (m, 3), from vertices, faces or textures; None where it has none."""
+    read = _read(path)
+    try:
+        visual = read.visual.to_color() if read.visual.kind == "texture" else read.visual
+        colours = None if visual.kind is None else np.asarray(visual.face_colors, np.float64)[:, :3] / 255
+    except (AttributeError, ValueError, IndexError):  # textures that are not there or not readable
+        colours = None
+    return _plain(np.asarray(read.vertices, np.float64), np.asarray(read.faces, np.int64)), colours
+
+
 def from_file(path: Path, max_faces: int | None = None) -> Mesh:
     """A mesh file as trimesh reads it, all its pieces as one; `max_faces` thins it out to about so many triangles.
 
     Raises whatever trimesh raises for a file that it cannot read, and ValueError for one without triangles.
     """
     import fast_simplification
+
+    read = _read(path)
+    vertices, faces = np.asarray(read.vertices, np.float64), np.asarray(read.faces, np.int64)
+    if max_faces is not None and len(faces) > max_faces:
+        thin_vertices, thin_faces = fast_simplification.simplify(vertices.astype(np.float32), faces.astype(np.int32), target_count=max_faces)
+        vertices, faces = np.asarray(thin_vertices, np.float64), np.asarray(thin_faces, np.int64)
+    return _plain(vertices, faces)
+
+
+def _read(path: Path):
     import trimesh
 
     read = trimesh.load(path, force="mesh", process=True)
     if len(getattr(read, "faces", ())) == 0:
         raise ValueError("it holds no triangles")
     read.merge_vertices(merge_tex=True, merge_norm=True)
-    vertices, faces = np.asarray(read.vertices, np.float64), np.asarray(read.faces, np.int64)
-    if max_faces is not None and len(faces) > max_faces:
-        thin_vertices, thin_faces = fast_simplification.simplify(vertices.astype(np.float32), faces.astype(np.int32), target_count=max_faces)
-        vertices, faces = np.asarray(thin_vertices, np.float64), np.asarray(thin_faces, np.int64)
-    return _plain(vertices, faces)
+    return read
 
 
 def volume(mesh: Mesh) -> float:

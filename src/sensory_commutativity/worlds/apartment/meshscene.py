@@ -5,6 +5,7 @@ The mesh is what is seen and what is touched, as it is. A robot stands on the fl
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -13,7 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from ...config.section import Name, Section
-from .geometry import from_file
+from .geometry import coloured_from_file
 from .scene import Area, Fixture, Mesh, Part, Scene, SceneError, Solid, Vector
 from .scenefile import ObjectDescription, Pair, no_name_twice, put_down
 
@@ -25,6 +26,8 @@ LEAST_FLOOR = 0.5
 """Square metres: what is smaller is no floor; chosen: a robot needs about a quarter of it."""
 BUMP = 0.03
 """Metres: what rises less above the floor is not collided with, or a robot would stand in its own floor; chosen: as uneven as scans are."""
+CELL = 0.25
+"""Metres: sides of the squares of floor on which a robot may start where no areas are given; chosen: half as wide as robots are."""
 SHADES = 4
 """Levels of each colour that are told apart; chosen: up to 64 parts, as colours of scans vary without end."""
 GREY = (0.75, 0.74, 0.72)
@@ -48,7 +51,9 @@ class MeshScene(Section):
     scale: float = Field(1.0, gt=0, description="Metres per unit of the mesh.")
     up: Literal["y", "z"] = Field("z", description="Which of the mesh's axes points up.")
     floor: float | None = Field(None, description="Height of the floor in the mesh, metres; without it the lowest level surface of some size.")
-    areas: list[StartArea] = Field(default_factory=list, description="Where a robot may start, in metres after scaling; without it, anywhere.")
+    areas: list[StartArea] = Field(
+        default_factory=list, description="Where a robot may start, in metres after scaling; without it, wherever there is floor."
+    )
     objects: list[ObjectDescription] = Field(default_factory=list, description="Things that can be pushed; they stand on the floor, or at a height.")
 
 
@@ -62,7 +67,7 @@ def build_mesh_scene(settings: MeshScene, path: Path) -> Scene:
             f"{where}: objects: a mesh has no furniture with names, so nothing can stand on it by name (stands_on); give x, y and height instead"
         )
     try:
-        mesh, colours = from_file(file), _colours(file)
+        mesh, colours = coloured_from_file(file)
     except Exception as error:  # whatever the many readers of mesh files raise
         raise SceneError(f"{where}: mesh: {settings.mesh!r} cannot be read ({error}); convert it to OBJ, PLY, GLB or STL") from None
     vertices = mesh.vertices * settings.scale
@@ -77,9 +82,8 @@ def build_mesh_scene(settings: MeshScene, path: Path) -> Scene:
     mesh = replace(mesh, vertices=vertices - (0, 0, floor))
     solid = _above(mesh, BUMP)
     fixture = Fixture("mesh", tuple(_parts(mesh, colours)), (solid,) if solid else ())
-    low, high = mesh.vertices.min(0), mesh.vertices.max(0)
     areas = tuple(Area(area.name, tuple(area.x), tuple(area.y)) for area in settings.areas)  # type: ignore[arg-type]
-    areas = areas or (Area("everywhere", (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))),)
+    areas = areas or tuple(floor_areas(mesh))
     movables = tuple(put_down(thing, i + 1, where) for i, thing in enumerate(settings.objects))
     no_name_twice([movable.name for movable in movables], "objects", where)
     return Scene(settings.name, (fixture,), movables, areas)
@@ -98,6 +102,31 @@ def floor_height(vertices: np.ndarray, faces: np.ndarray) -> float | None:
     return None
 
 
+def floor_areas(mesh: Mesh) -> Iterator[Area]:
+    """Squares of CELL on which the floor, at height 0, is found below the middle: where a robot may start, since rooms are seldom rectangles."""
+    corners = mesh.vertices[mesh.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    level = (np.abs(normals[:, 2]) > LEVEL * np.linalg.norm(normals, axis=1)) & (np.abs(corners[:, :, 2]) <= SLICE).all(1)
+    floor = corners[level, :, :2]
+    if not len(floor):  # where its height was given: anywhere
+        (left, bottom), (right, top) = mesh.vertices[:, :2].min(0).tolist(), mesh.vertices[:, :2].max(0).tolist()
+        yield Area("everywhere", (left, right), (bottom, top))
+        return
+    low, high = floor.min((0, 1)), floor.max((0, 1))
+    middles = [np.arange(low[k] + CELL / 2, high[k], CELL) for k in range(2)]
+    covered = np.zeros((len(middles[0]), len(middles[1])), bool)
+    for a, b, c in floor:
+        (left, bottom), (right, top) = np.min((a, b, c), 0), np.max((a, b, c), 0)
+        i, j = ((middles[k] >= (left, bottom)[k]) & (middles[k] <= (right, top)[k]) for k in range(2))
+        if i.any() and j.any():
+            x, y = np.meshgrid(middles[0][i], middles[1][j], indexing="ij")
+            sides = np.stack([(q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]) for p, q in ((a, b), (b, c), (c, a))])
+            covered[np.ix_(i, j)] |= (sides >= 0).all(0) | (sides <= 0).all(0)
+    for i, j in zip(*np.nonzero(covered), strict=True):
+        (x, y), half = (middles[0][i], middles[1][j]), CELL / 2
+        yield Area("floor", (float(x - half), float(x + half)), (float(y - half), float(y + half)))
+
+
 def _lowest_surface(heights: np.ndarray, sizes: np.ndarray) -> float | None:
     slices = np.floor(heights / SLICE).astype(np.int64)
     for k in np.unique(slices):
@@ -113,23 +142,8 @@ def _above(mesh: Mesh, height: float) -> Solid | None:
     return Solid("mesh", vertices=mesh.vertices, faces=np.ascontiguousarray(faces)) if len(faces) else None
 
 
-def _colours(file: Path) -> np.ndarray | None:
-    """Colour of every face as the file has it, from vertices, faces or textures: float64 (m, 3); None where it has none."""
-    import trimesh
-
-    read = trimesh.load(file, force="mesh", process=True)
-    read.merge_vertices(merge_tex=True, merge_norm=True)
-    try:
-        visual = read.visual.to_color() if read.visual.kind == "texture" else read.visual
-        if visual.kind is None:
-            return None
-        return np.asarray(visual.face_colors, np.float64)[:, :3] / 255
-    except (AttributeError, ValueError, IndexError):
-        return None
-
-
 def _parts(mesh: Mesh, colours: np.ndarray | None) -> list[Part]:
-    if colours is None or len(colours) != len(mesh.faces):
+    if colours is None:
         return [Part(mesh, GREY, "plaster")]
     shades = np.minimum((colours * SHADES).astype(np.int64), SHADES - 1) @ (SHADES * SHADES, SHADES, 1)
     parts = []

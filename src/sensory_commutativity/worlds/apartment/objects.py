@@ -11,7 +11,6 @@ from typing import Literal
 
 import numpy as np
 
-from . import frames as fr
 from .geometry import box, cylinder, handle, joined, lathe, panel, placed, sphere
 from .scene import Mesh, Movable, Part, Solid, Vector
 
@@ -164,9 +163,3 @@ OBJECTS: dict[str, ObjectType] = {kind: maker() for kind, maker in _MAKERS.items
 def of_family(family: Family) -> tuple[str, ...]:
     """Names of the types of a family."""
     return tuple(kind for kind, what in OBJECTS.items() if what.family == family)
-
-
-def reach_of(movable: Movable) -> float:
-    """Metres: the radius of an upright cylinder around the object's middle that holds all of it, however it is turned about the vertical."""
-    points = np.concatenate([part.mesh.vertices for part in movable.parts])
-    return float(np.hypot(*fr.apply(np.eye(4), points)[:, :2].T).max())

@@ -20,7 +20,8 @@ from .shapes import shape_file
 FRICTION = 0.6  # of two things; chosen: wood on wood is 0.25 to 0.5, rubber and cardboard are more. PyBullet multiplies the values of both
 ROLLING_FRICTION = 0.005  # metres; chosen: a ball that is pushed comes to rest within seconds
 SPINNING_FRICTION = 0.002  # metres; chosen: two thirds of the radius of a contact patch of 3 mm
-_WEIGHTLESS = 1e-4  # kg; chosen: a link that only carries a collision shape
+WEIGHTLESS = 1e-4
+"""Kilograms of a link that only carries a collision shape; chosen: nothing beside whatever it is part of."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def _movable(client: int, scene: Scene, movable: Movable, unseen: int) -> int:
     further = len(shapes) - 1
     body = pybullet.createMultiBody(
         movable.mass, shapes[0], unseen, movable.position, movable.rotation,
-        linkMasses=[_WEIGHTLESS] * further, linkCollisionShapeIndices=shapes[1:], linkVisualShapeIndices=[unseen] * further,
+        linkMasses=[WEIGHTLESS] * further, linkCollisionShapeIndices=shapes[1:], linkVisualShapeIndices=[unseen] * further,
         linkPositions=[(0, 0, 0)] * further, linkOrientations=[(0, 0, 0, 1)] * further,
         linkInertialFramePositions=[(0, 0, 0)] * further, linkInertialFrameOrientations=[(0, 0, 0, 1)] * further,
         linkParentIndices=[0] * further, linkJointTypes=[pybullet.JOINT_FIXED] * further, linkJointAxis=[(0, 0, 1)] * further,

@@ -1,6 +1,6 @@
 """Collision shapes as the files that PyBullet reads, made once and kept between processes.
 
-Kept files lie in the user's cache folder (XDG_CACHE_HOME or ~/.cache, else the system's temporary folder) under names that follow from what is in
+Kept files lie in the user's cache folder (:func:`.folders.cache_folder`) under names that follow from what is in
 them, so they never go stale, and any number of processes may make the same one at the same time.
 """
 
@@ -16,6 +16,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from ...folders import cache_folder
+
 MOST_HULL_POINTS = 64
 """Corners of a convex hull; chosen: the collision test's time grows with them, and 64 keep a robot's link to about 3 % of its size."""
 THINNEST = 1e-3
@@ -24,10 +26,7 @@ THINNEST = 1e-3
 
 def kept(kind: str, content: hashlib._Hash, make: Callable[[Path], None]) -> Path:
     """The folder `kind`-`content`; if there is none, `make` fills a temporary one that then takes its name."""
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    if not os.access(base if base.exists() else base.parent, os.W_OK):
-        base = Path(tempfile.gettempdir()) / f"cache-{os.getuid()}"
-    folder = base / "sensory-commutativity" / "apartment" / f"{kind}-{content.hexdigest()[:32]}"
+    folder = cache_folder("apartment", f"{kind}-{content.hexdigest()[:32]}")
     if folder.is_dir():
         return folder
     folder.parent.mkdir(parents=True, exist_ok=True)

@@ -24,7 +24,7 @@ def arm_links(simulation: Simulation) -> tuple[int, ...]:
     return tuple(i for i, joint in enumerate(simulation.robot.joints, start=1) if joint.kind != "prismatic")
 
 
-def draw_start(simulation: Simulation, rng: np.random.Generator, within: float | None = None, tries: int = TRIES) -> float:
+def draw_start(simulation: Simulation, rng: np.random.Generator, within: float | None = None, tries: int | None = None) -> float:
     """Put the robot into a random valid situation, at rest.
 
     The place is uniform over the scene's areas and the heading over all directions; joints are drawn from the robot's start ranges. What makes the
@@ -36,8 +36,8 @@ def draw_start(simulation: Simulation, rng: np.random.Generator, within: float |
     rng : numpy.random.Generator
     within : float, optional
         Metres: something has to be nearer to the arm than this.
-    tries : int
-        How often to draw at most.
+    tries : int, optional
+        How often to draw at most; TRIES if not given.
 
     Returns
     -------
@@ -52,6 +52,7 @@ def draw_start(simulation: Simulation, rng: np.random.Generator, within: float |
     arm, robot = arm_links(simulation), simulation.robot.description.name
     if within is not None and not arm:
         raise StartError(f"robot {robot!r} has no joint that turns, so nothing is within its reach; let it start anywhere")
+    tries = tries or TRIES
     left, touching = tries, 0
     while left > 0:
         drawn, found = _draw(simulation, rng, left)

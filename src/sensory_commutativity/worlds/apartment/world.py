@@ -58,8 +58,9 @@ class ApartmentWorld:
     ----------
     scene : Scene
     robot : Robot
-    cameras : sequence of Camera
-        What is seen through; all sit where the robot's camera is. An observation has a picture for each.
+    cameras : sequence of Camera, optional
+        What is seen through; all sit where the robot's camera is. An observation has a picture for each. Without it one with the field of view that the
+        robot's description gives.
     within : float, optional
         Metres: starts have something nearer than this to the arm. Without it a robot starts anywhere.
 
@@ -70,9 +71,9 @@ class ApartmentWorld:
     simulation : Simulation
     """
 
-    def __init__(self, scene: Scene, robot: Robot, cameras: Sequence[Camera] = (Camera(),), within: float | None = None):
+    def __init__(self, scene: Scene, robot: Robot, cameras: Sequence[Camera] | None = None, within: float | None = None):
         self.scene, self.robot, self.dofs = scene, robot, robot.dofs
-        self.cameras, self.within = tuple(cameras), within
+        self.cameras, self.within = tuple(cameras or [Camera(field_of_view=robot.description.camera.field_of_view)]), within
         self.simulation = Simulation(scene, robot)
         self.renderer = Renderer(pieces(self.simulation), 1 + len(scene.movables) + len(self.simulation.body.parents))
         self._clearance = float("nan")
