@@ -1,8 +1,8 @@
 """Is a replay in the apartment exact, do results depend on what ran before, does memory grow? Run by `make replay`, which takes half an hour.
 
-Every SC-experiment plays each of its two orders twice from the same snapshot: everything about the robot and all objects, and the pictures, must
-be equal bit for bit, and memory must not grow. Then a second world plays the experiments once more, the last start situation first, and must end everywhere as the first
-world did.
+Every SC-experiment plays each of its two orders twice from the same snapshot: everything about the robot and all objects, and the pictures, must be
+equal bit for bit, and memory must not grow. Then a second world plays the experiments once more, the last start situation first, and must end
+everywhere as the first world did.
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from sensory_commutativity.experiment import ending, orders_per_dof
 from sensory_commutativity.seeding import generator, seed_for
 from sensory_commutativity.worlds.apartment.from_config import world_of_run
 from sensory_commutativity.worlds.apartment.world import ApartmentWorld
-
 
 GROWTH = 1.05
 """Memory at the end may be so many times that after a tenth of the experiments; chosen: what is not flat grows by more."""

@@ -33,7 +33,8 @@ def config() -> Config:
 
 
 def made_up(config: Config, scp: dict[str, dict[str, float]]) -> pd.DataFrame:
-    """Every run of the configuration, with N experiments; a fraction of each degree of freedom's experiments commutes at every threshold, all in free space."""
+    """Every run of the configuration, with N experiments; a fraction of each degree of freedom's experiments commutes at every threshold, all
+    in free space."""
     rows = []
     for run in config.apartment.runs():
         for d, (dof, value) in enumerate(scp[run.robot].items()):

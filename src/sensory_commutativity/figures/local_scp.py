@@ -41,7 +41,8 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         (left, settings.scene),
         (
             middle,
-            f"local SCP of {config.masks.robot}'s arm, {settings.experiments} SC-experiments of {settings.sequence_length} steps\neach; squares: mean of headings, dots: each heading",
+            f"local SCP of {config.masks.robot}'s arm, {settings.experiments} SC-experiments of {settings.sequence_length} steps\n"
+            "each; squares: mean of headings, dots: each heading",
         ),
         (right, "truth: metres from the swept arm to the nearest\nimmovable thing, below 0 inside it"),
     ):

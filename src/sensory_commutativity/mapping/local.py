@@ -19,7 +19,8 @@ from ..worlds.base import play
 from .places import Place
 
 TRIES = 30
-"""How often joints are drawn at a place before it counts as one where the robot cannot stand; chosen: it is the base that is in the way, or nothing."""
+"""How often joints are drawn at a place before it counts as one where the robot cannot stand; chosen: it is the base that is in the way, or
+nothing."""
 
 
 class Seen(NamedTuple):

@@ -7,6 +7,7 @@ sequences of this length exceed.
 from __future__ import annotations
 
 from collections.abc import Collection
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -44,7 +45,8 @@ class Reach(NamedTuple):
 
 
 def median_excursion(length: int, speed: float, rng: np.random.Generator) -> float:
-    """The largest excursion from its start that half of all random sequences of a joint exceed, in the unit of `speed`, which an action of 1 moves."""
+    """The largest excursion from its start that half of all random sequences of a joint exceed, in the unit of `speed`, which an action of 1
+    moves."""
     furthest = [np.abs(np.cumsum(sample_sequence(rng, length, 0, 1)[:, 0])).max() for _ in range(SEQUENCES)]
     return float(np.median(furthest)) * speed
 
@@ -77,7 +79,7 @@ def swept_reach(simulation: Simulation, base: np.ndarray, joint: int, excursion:
         if index is not None and distance < nearest:
             nearest, name = distance, fixtures[index].name
         arm = simulation.body.link_poses(base, joints)[list(links), :3, 3]
-        points = np.concatenate([a + (b - a) * np.linspace(0, 1, ALONG)[:, None] for a, b in zip(arm, arm[1:], strict=False)] or [arm])
+        points = np.concatenate([a + (b - a) * np.linspace(0, 1, ALONG)[:, None] for a, b in pairwise(arm)] or [arm])
         over |= any(((points > bottom) & (points < [*top[:2], np.inf]))[:, :2].all(1).any() and points[:, 2].min() > top[2] for bottom, top in boxes)
     return Reach(nearest, name, bool(over))
 

@@ -1,8 +1,9 @@
 """SC-experiments on objects, labelled by the simulator: what the mask predictor is tested on (paper, section IV-A, "Inference" and "Evaluation").
 
-The authors labelled fifty tuples of two pictures and two masks by hand; the simulator knows what moved and where the robot ended. One degree of freedom is
-driven, in both of the paper's ways: twenty random steps against a permutation of them, and ten steps to the left and ten to the right against the other order.
-Two alternatives that the paper discusses are played from the same start: the first picture against the last, and going back to where the robot started.
+The authors labelled fifty tuples of two pictures and two masks by hand; the simulator knows what moved and where the robot ended. One degree of
+freedom is driven, in both of the paper's ways: twenty random steps against a permutation of them, and ten steps to the left and ten to the right
+against the other order. Two alternatives that the paper discusses are played from the same start: the first picture against the last, and going
+back to where the robot started.
 """
 
 from __future__ import annotations
@@ -141,8 +142,8 @@ def tuples_of(played: list[Played], household: Household) -> dict[str, np.ndarra
     Returns
     -------
     dict
-        pictures uint8 (n, c, p, 2, h, w, 3), masks uint8 (n, c, p, 2, h, w / 8) packed, outcome int8 (n, c, p): places in OUTCOMES, kind int8 (n,): in
-        KINDS, touched_fixed and touched_fixed_first bool (n,), moved int16 (n, p): how many objects moved.
+        pictures uint8 (n, c, p, 2, h, w, 3), masks uint8 (n, c, p, 2, h, w / 8) packed, outcome int8 (n, c, p): places in OUTCOMES, kind int8 (n,):
+        in KINDS, touched_fixed and touched_fixed_first bool (n,), moved int16 (n, p): how many objects moved.
     """
     cameras, rng = household.cameras, household.rng
     pictures, masks, outcome = [], [], []

@@ -1,7 +1,7 @@
 """What the two-mask models learn from: cross-entropy over all refinements, and the overlap of what moved (paper: "binary cross-entropy").
 
-Masks of moved objects are half a percent of the pixels, and cross-entropy alone is nearly as low for a model that misses them. The Dice loss asks for the overlap
-itself; it is taken of pairs in which something moved.
+Masks of moved objects are half a percent of the pixels, and cross-entropy alone is nearly as low for a model that misses them. The Dice loss asks
+for the overlap itself; it is taken of pairs in which something moved.
 """
 
 from __future__ import annotations

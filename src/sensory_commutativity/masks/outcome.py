@@ -1,9 +1,9 @@
 """Which of the three outcomes a pair of pictures has, as only the simulator can tell (paper, section II-F).
 
-The rule, fixed before anything was trained: the pair is *different* if the robot ended elsewhere, so that the picture shows it; *moved* if it did not, but
-something that is in sight did; *identical* otherwise. Elsewhere means that what stands still is, on average over the picture, displaced by more than
-MOST_SHIFT pixels (of 128), or that the robot's own arm covers or uncovers more than MOST_ARM of the picture. A camera that comes back a degree off is thus
-identical, three degrees off is different, and between the displacement decides.
+The rule, fixed before anything was trained: the pair is *different* if the robot ended elsewhere, so that the picture shows it; *moved* if it did
+not, but something that is in sight did; *identical* otherwise. Elsewhere means that what stands still is, on average over the picture, displaced by
+more than MOST_SHIFT pixels (of 128), or that the robot's own arm covers or uncovers more than MOST_ARM of the picture. A camera that comes back a
+degree off is thus identical, three degrees off is different, and between the displacement decides.
 """
 
 from __future__ import annotations
@@ -67,7 +67,8 @@ def masks_of(first: Picture, second: Picture, moved: np.ndarray) -> np.ndarray:
 def outcome_of(
     first: Picture, second: Picture, eye: np.ndarray, other_eye: np.ndarray, moved: np.ndarray, camera: Camera
 ) -> tuple[Outcome, np.ndarray]:
-    """The outcome of a pair and its true masks, bool (2, h, w): all true if different, none if identical; `moved`: numbers of the objects that moved."""
+    """The outcome of a pair and its true masks, bool (2, h, w): all true if different, none if identical; `moved`: numbers of the objects that
+    moved."""
     height, width = first.identity.shape
     if image_shift(first, eye, other_eye, camera) > MOST_SHIFT or arm_change(first, second) > MOST_ARM:
         return "different", np.ones((2, height, width), bool)

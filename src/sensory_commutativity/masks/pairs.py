@@ -1,7 +1,7 @@
 """Pairs of pictures with the three outcomes of an SC-experiment, made without playing one (paper, section IV-A, "Training").
 
-What makes the pairs honest: light, exposure, noise and the camera differ a little between the two pictures of a pair; robots come back almost, not only
-exactly or not at all; objects move by centimetres or metres; the robot's arm is in sight, and sometimes it is all that moved.
+What makes the pairs honest: light, exposure, noise and the camera differ a little between the two pictures of a pair; robots come back almost, not
+only exactly or not at all; objects move by centimetres or metres; the robot's arm is in sight, and sometimes it is all that moved.
 """
 
 from __future__ import annotations

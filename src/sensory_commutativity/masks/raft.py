@@ -1,9 +1,9 @@
 """RAFT with a head for two masks: its building blocks, other glue (Teed and Deng 2020; paper, section IV-A).
 
-Flow has two channels, and so have two masks. The state that is refined is therefore the two masks' logits at an eighth of the resolution, from 0. What
-differs from flow: masks live each in its own picture's frame, so correlations are looked up at the pixel itself, which does not move, once. The second mask
-depends on the second picture as the first does on the first, so correlations and context are of both. And masks have sharp edges, flow mostly not: after
-the last refinement one more, at half the resolution, looks at both pictures' shallow features.
+Flow has two channels, and so have two masks. The state that is refined is therefore the two masks' logits at an eighth of the resolution, from 0.
+What differs from flow: masks live each in its own picture's frame, so correlations are looked up at the pixel itself, which does not move, once.
+The second mask depends on the second picture as the first does on the first, so correlations and context are of both. And masks have sharp edges,
+flow mostly not: after the last refinement one more, at half the resolution, looks at both pictures' shallow features.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Training a two-mask model by RAFT's recipe, on a CPU or a GPU, so that a kill loses a minute at most.
 
-AdamW, one cycle of the learning rate, gradients clipped, mixed precision where the processor has it. Pairs are mirrored, exchanged and recoloured alike in
-both pictures, and scaled: the first half of the steps, and some later ones, take pictures at half the resolution, which shows more pairs in the same time
-and things at another size. Everything random follows from the seed and the step, so a run that was resumed ends as one that was not.
+AdamW, one cycle of the learning rate, gradients clipped, mixed precision where the processor has it. Pairs are mirrored, exchanged and recoloured
+alike in both pictures, and scaled: the first half of the steps, and some later ones, take pictures at half the resolution, which shows more pairs
+in the same time and things at another size. Everything random follows from the seed and the step, so a run that was resumed ends as one that was
+not.
 """
 
 from __future__ import annotations
@@ -27,7 +28,8 @@ CLIP = 1.0
 WARM = 0.05
 """Of the steps, in which the learning rate rises (RAFT)."""
 COARSE = 0.5
-"""Of the steps, the first ones, at half the resolution; chosen: a trial found an intersection over union of .52 with it and .41 without, in equal time."""
+"""Of the steps, the first ones, at half the resolution; chosen: a trial found an intersection over union of .52 with it and .41 without, in
+equal time."""
 SOMETIMES = 0.2
 """Of the others, at random; chosen: so that small things are not forgotten."""
 MOVED = OUTCOMES.index("moved")

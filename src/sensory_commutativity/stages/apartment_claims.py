@@ -7,8 +7,8 @@ The paper names thresholds from 20 to 100; a claim holds if it holds at every th
 - "always commutes": the SCP is at least ALMOST at threshold 100, since at lower ones a hair's breadth of motion counts;
 - "the same hierarchy": Kendall's tau with the reference is at least SAME at every threshold, and defined there.
 
-Two things that the paper implies are decided as well: in free space every degree of freedom commutes, at the lowest of these thresholds, in at least FREE of
-the experiments; and the SCP of the arm joint nearest the body is nearer .5 than 0 or 1, so that its experiments have all outcomes.
+Two things that the paper implies are decided as well: in free space every degree of freedom commutes, at the lowest of these thresholds, in at
+least FREE of the experiments; and the SCP of the arm joint nearest the body is nearer .5 than 0 or 1, so that its experiments have all outcomes.
 """
 
 from __future__ import annotations

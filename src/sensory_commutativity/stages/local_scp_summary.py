@@ -1,4 +1,7 @@
-"""Does the local SCP show where immovable things are? (paper: low near walls and furniture, in the kitchen; high in open space and over low things)"""
+"""Does the local SCP show where immovable things are?
+
+The paper: low near walls and furniture and in the cramped kitchen, high in open space and over low things.
+"""
 
 from __future__ import annotations
 

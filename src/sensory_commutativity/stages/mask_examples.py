@@ -1,7 +1,7 @@
 """Pictures for people: pairs of the data set, and SC-experiments with what was predicted, taken by a rule and not by looks.
 
-Of each test set the tuples in which something moved are shown at the tenth, fiftieth and ninetieth percentile of the overlap, and the first tuple of each
-other outcome.
+Of each test set the tuples in which something moved are shown at the tenth, fiftieth and ninetieth percentile of the overlap, and the first tuple
+of each other outcome.
 """
 
 from __future__ import annotations

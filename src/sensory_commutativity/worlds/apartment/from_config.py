@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from .world import ApartmentWorld
 
 FLOOR_EXTENT = 30.0
-"""Metres from the middle of an empty floor to where it ends, for the eye only; chosen: seen from a head at 1.3 m that is less than three pixels of 128 below
-the horizon."""
+"""Metres from the middle of an empty floor to where it ends, for the eye only; chosen: seen from a head at 1.3 m that is less than three pixels of
+128 below the horizon."""
 START_EXTENT = 2.0
 """Metres: a robot starts so near to the middle of an empty floor; chosen: as in a large room."""
 

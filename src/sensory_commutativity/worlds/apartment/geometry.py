@@ -121,7 +121,8 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
 
 
 def coloured_from_file(path: Path) -> tuple[Mesh, np.ndarray | None]:
-    """A mesh file as :func:`from_file` reads it, and the colour of every face, float64 (m, 3), from vertices, faces or textures; None where it has none."""
+    """A mesh file as :func:`from_file` reads it, and the colour of every face, float64 (m, 3), from vertices, faces or textures; None where it
+    has none."""
     read = _read(path)
     try:
         visual = read.visual.to_color() if read.visual.kind == "texture" else read.visual

@@ -59,8 +59,8 @@ class ApartmentWorld:
     scene : Scene
     robot : Robot
     cameras : sequence of Camera, optional
-        What is seen through; all sit where the robot's camera is. An observation has a picture for each. Without it one with the field of view that the
-        robot's description gives.
+        What is seen through; all sit where the robot's camera is. An observation has a picture for each. Without it one with the field of view that
+        the robot's description gives.
     within : float, optional
         Metres: starts have something nearer than this to the arm. Without it a robot starts anywhere.
 
