@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # as every job of the workflow; read when torch is imported
+
 import pytest
 import yaml
 from hypothesis import settings

@@ -19,10 +19,12 @@ from ..worlds.apartment.scene import IDENTITIES
 Outcome = Literal["identical", "different", "moved"]
 OUTCOMES: tuple[Outcome, ...] = ("identical", "different", "moved")
 MOST_SHIFT = 2.0 / 128
-"""Mean displacement of what stands still, in heights of the picture; chosen: with 90 degrees two pixels are 1.8 degrees of camera rotation, about where
-a person who flips between the pictures calls them two views."""
+"""Mean displacement of what stands still, in heights of the picture; chosen: two pixels of 128, with a field of view of 90 degrees 1.8 degrees of
+camera rotation, about where a person who flips between the pictures calls them two views."""
 MOST_ARM = 0.01
 """Fraction of the picture that the robot's body covers in one view only; chosen: a square of 13 pixels a side, the size of a large object."""
+STILL = 1e-3
+"""Metres and sines within which a camera is where it was; taken only where nothing that stands still is in view."""
 SEEN = 12
 """Pixels of 128 x 128 from which an object counts as in sight; chosen: less cannot be told from noise."""
 
@@ -41,7 +43,7 @@ def image_shift(first: Picture, eye: np.ndarray, other_eye: np.ndarray, camera: 
     focal = height / 2 / math.tan(math.radians(camera.field_of_view) / 2)
     rows, columns = np.nonzero((first.identity >= IDENTITIES["fixture"]) & (first.identity != IDENTITIES["robot"]))
     if not len(rows):
-        return math.inf
+        return 0.0 if np.allclose(eye, other_eye, atol=STILL) else math.inf
     right, down = (columns + 0.5 - width / 2) / focal, (rows + 0.5 - height / 2) / focal
     depth = first.depth[rows, columns].astype(np.float64)
     points = np.stack([depth, -right * depth, -down * depth, np.ones_like(depth)])

@@ -41,28 +41,28 @@ def summarised(table: pd.DataFrame, config: Config) -> pd.DataFrame:
     """Rows of the table local_scp_summary. Intervals: bootstrap over places, all headings of a place together."""
     rows = []
     for decided_by, column in DECIDED.items():
-        found = table.assign(scp=table[column])
         rng = generator(config.seed, "masks", "map", "summary", decided_by)
-        rows.append(("auc", "all", decided_by, *_with_interval(found, _auc, rng)))
+        found = table.assign(scp=table[column])
+        rows.append(("auc", "all", decided_by, *_with_interval(found, area_under_curve, rng)))
         for name, chosen in regions(table, config).items():
-            rows.append(("median", name, decided_by, *_with_interval(found[chosen], lambda part: float(part["scp"].median()), rng)))
+            rows.append(("median", name, decided_by, *_with_interval(found[chosen], lambda scp, _: float(np.median(scp)), rng)))
     return pd.DataFrame(rows, columns=["measure", "where", "decided_by", "n", "value", "ci_low", "ci_high"])
 
 
-def _auc(table: pd.DataFrame) -> float:
-    return area_under_curve(table["scp"].to_numpy(), table["within_reach"].to_numpy())
-
-
-def _with_interval(table: pd.DataFrame, measure: Callable[[pd.DataFrame], float], rng: np.random.Generator) -> tuple[int, float, float, float]:
+def _with_interval(
+    table: pd.DataFrame, measure: Callable[[np.ndarray, np.ndarray], float], rng: np.random.Generator
+) -> tuple[int, float, float, float]:
+    """Number of rows, and a measure of their scp and within_reach with its interval."""
     if not len(table):
         return 0, float("nan"), float("nan"), float("nan")
+    scp, within = table["scp"].to_numpy(), table["within_reach"].to_numpy(bool)
     groups = list(table.reset_index(drop=True).groupby(["x", "y"]).indices.values())
     resampled = []
     for _ in range(RESAMPLES):
         chosen = np.concatenate([groups[i] for i in rng.integers(len(groups), size=len(groups))])
-        resampled.append(measure(table.iloc[chosen]))
-    resampled = np.array(resampled)[np.isfinite(resampled)]
-    return len(table), measure(table), *(percentile_interval(resampled, 0.95) if len(resampled) else (float("nan"), float("nan")))
+        resampled.append(measure(scp[chosen], within[chosen]))
+    defined = np.array(resampled)[np.isfinite(resampled)]
+    return len(table), measure(scp, within), *(percentile_interval(defined, 0.95) if len(defined) else (float("nan"), float("nan")))
 
 
 def write_summary(local_scp: Path, out: Path, config: Config) -> None:

@@ -1,0 +1,76 @@
+"""mapping/: places on a grid, what a swept arm meets, SC-experiments at a place."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sensory_commutativity.config import load
+from sensory_commutativity.mapping.local import experiments_at
+from sensory_commutativity.mapping.places import Place, places
+from sensory_commutativity.mapping.sweep import MOST, median_excursion, swept_reach
+from sensory_commutativity.worlds.apartment import geometry
+from sensory_commutativity.worlds.apartment.camera import Camera
+from sensory_commutativity.worlds.apartment.robot import load_robot
+from sensory_commutativity.worlds.apartment.scene import Area, Fixture, Part, Scene, Solid
+from sensory_commutativity.worlds.apartment.world import ApartmentWorld
+
+from ..helpers import DEFAULT
+
+PAN = 3  # shoulder-pan of Fetch, in the order of its degrees of freedom
+
+
+def block(name: str, half: tuple[float, float, float], at: tuple[float, float, float]) -> Fixture:
+    return Fixture(name, (Part(geometry.placed(geometry.box(half), at), (0.7, 0.6, 0.5)),), (Solid("box", half, at),))
+
+
+@pytest.fixture(scope="module")
+def world():
+    """Fetch between a pillar to its left, which its arm hits when it sweeps there, and a low table ahead."""
+    pillar, table = block("pillar", (0.1, 0.1, 1.0), (0.55, 0.45, 1.0)), block("table", (0.3, 0.5, 0.2), (0.8, 0.0, 0.2))
+    scene = Scene("two", (pillar, table), (), (Area("room", (-1.0, 1.0), (-1.0, 1.0)),))
+    robot = load_robot(load(DEFAULT).apartment.robots["fetch"].description)
+    found = ApartmentWorld(scene, robot, (Camera(64, 64, 90.0, 1),))
+    yield found
+    found.simulation.close()
+
+
+def test_places_are_centred_in_every_room():
+    scene = Scene("rooms", (), (), (Area("a", (0.0, 1.0), (0.0, 2.1)), Area("b", (5.0, 5.2), (0.0, 1.0))))
+    found = places(scene, 0.5, 2)
+    assert len(found) == 2 * (2 * 4 + 1 * 2)
+    assert {place.x for place in found if place.room == "a"} == {0.25, 0.75}
+    assert sorted({round(place.y, 3) for place in found if place.room == "a"}) == [0.3, 0.8, 1.3, 1.8]
+    assert {place.x for place in found if place.room == "b"} == {5.1} and {place.heading for place in found} == {0.0, np.pi}
+
+
+def test_the_median_excursion_of_a_random_walk():
+    """Its largest distance from the start grows as the root of its length: 1.15 standard deviations of its end, in the median, for long ones."""
+    rng = np.random.default_rng(0)
+    assert median_excursion(1, 2.0, rng) == pytest.approx(1.0, rel=0.05)  # half of all single steps are longer than a half
+    assert median_excursion(400, 1.0, rng) == pytest.approx(1.15 * np.sqrt(400 / 3), rel=0.05)
+
+
+def test_a_swept_arm_meets_what_is_in_its_way(world):
+    joint = [one.name for one in world.robot.joints].index("shoulder_pan_joint")
+    base = np.zeros(3)
+    narrow, wide = (swept_reach(world.simulation, base, joint, angle, ["table"]) for angle in (0.05, 1.0))
+    assert narrow.clearance > 0 >= wide.clearance and wide.nearest == "pillar"
+    assert narrow.over_low and wide.over_low
+    away = swept_reach(world.simulation, np.array([0.0, 0.0, np.pi]), joint, 0.05, ["table"])
+    assert away.clearance > narrow.clearance and not away.over_low
+    far = swept_reach(world.simulation, np.array([-50.0, 0.0, 0.0]), joint, 0.05, [])
+    assert far == (MOST, "", False)
+
+
+def test_experiments_where_something_is_in_the_way_and_where_not(world):
+    blocked = experiments_at(Place("room", 0.0, 0.0, 0.45), world, PAN, 60, 6, np.random.default_rng(1))
+    free = experiments_at(Place("room", -5.0, 0.0, np.pi), world, PAN, 60, 6, np.random.default_rng(1))
+    assert blocked.pictures.shape == (6, 2, 64, 64, 3) and blocked.pictures.dtype == np.uint8
+    assert not free.different.any() and blocked.different.any()
+    again = experiments_at(Place("room", 0.0, 0.0, 0.45), world, PAN, 60, 6, np.random.default_rng(1))
+    assert np.array_equal(blocked.pictures, again.pictures)
+
+
+def test_there_is_no_experiment_where_the_robot_cannot_stand(world):
+    assert experiments_at(Place("room", 0.75, 0.0, 0.0), world, PAN, 10, 2, np.random.default_rng(1)) is None
