@@ -25,6 +25,8 @@ KINDS = ("random", "left-right")
 COMPARISONS = ("sc-experiment", "first-last", "return")
 """What is compared: both orders; the start and the end of the first order; the start, and the robot back there after the first order."""
 EXPERIMENTS_PER_SCATTER = 20
+BESIDE = 0.75
+"""Of the situations, those with the hand beside an object; chosen: anywhere alone, few experiments move anything."""
 RETURN_STEPS = 60
 """Most steps in which the robot goes back to where it started; chosen: three times as long as it was away."""
 RETURNED = 1e-4
@@ -106,9 +108,9 @@ class ObjectExperiments:
         return self.household.look(light=some_light(self.rng))
 
     def _begin(self) -> None:
-        """A situation: the robot anywhere, or, in half of the cases, with its hand beside an object."""
+        """A situation: the robot with its hand beside an object, or anywhere."""
         simulation, household = self.household.simulation, self.household
-        if self.rng.uniform() < 0.5 or not household.begin_near_an_object():
+        if self.rng.uniform() >= BESIDE or not household.begin_near_an_object():
             household.begin()
         simulation.place(simulation.base(), simulation.joints())  # so that what was tried before makes no difference
         simulation.settle()
