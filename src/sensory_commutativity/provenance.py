@@ -13,7 +13,7 @@ from .config import Config
 
 PACKAGES = (
     "sensory-commutativity", "numpy", "pymunk", "numba", "scipy", "statsmodels", "torch", "pandas", "pyarrow",
-    "gymnasium", "stable-baselines3", "sb3-contrib", "pybullet", "trimesh", "fast-simplification",
+    "gymnasium", "stable-baselines3", "sb3-contrib", "pybullet", "torchvision", "h5py", "trimesh", "fast-simplification",
 )  # fmt: skip
 
 
