@@ -8,7 +8,7 @@ import pytest
 from sensory_commutativity.config import load
 from sensory_commutativity.mapping.local import experiments_at
 from sensory_commutativity.mapping.places import Place, places
-from sensory_commutativity.mapping.sweep import MOST, median_excursion, swept_reach
+from sensory_commutativity.mapping.sweep import MOST, swept_reach, usual_range
 from sensory_commutativity.worlds.apartment import geometry
 from sensory_commutativity.worlds.apartment.camera import Camera
 from sensory_commutativity.worlds.apartment.robot import load_robot
@@ -44,22 +44,25 @@ def test_places_are_centred_in_every_room():
     assert {place.x for place in found if place.room == "b"} == {5.1} and {place.heading for place in found} == {0.0, np.pi}
 
 
-def test_the_median_excursion_of_a_random_walk():
-    """Its largest distance from the start grows as the root of its length: 1.15 standard deviations of its end, in the median, for long ones."""
-    rng = np.random.default_rng(0)
-    assert median_excursion(1, 2.0, rng) == pytest.approx(1.0, rel=0.05)  # half of all single steps are longer than a half
-    assert median_excursion(400, 1.0, rng) == pytest.approx(1.15 * np.sqrt(400 / 3), rel=0.05)
+def test_how_far_half_of_all_experiments_get_on_either_side():
+    """The maximum of a long random walk is distributed as the magnitude of its end: .674 standard deviations in the median; both orders get further."""
+    low, high = usual_range(1, 2.0, (0.0, 0.0), np.random.default_rng(0))
+    assert (low, high) == pytest.approx((0, 0), abs=0.1)  # a single step goes up or down, not both
+    low, high = usual_range(400, 1.0, (0.0, 0.0), np.random.default_rng(0))
+    deviation = np.sqrt(400 / 3)
+    assert 0.67 * deviation < high < 1.15 * deviation and low == pytest.approx(-high, rel=0.1)
+    assert usual_range(400, 1.0, (5.0, 5.0), np.random.default_rng(0)) == pytest.approx((low + 5, high + 5), abs=1e-6)
 
 
 def test_a_swept_arm_meets_what_is_in_its_way(world):
     joint = [one.name for one in world.robot.joints].index("shoulder_pan_joint")
     base = np.zeros(3)
-    narrow, wide = (swept_reach(world.simulation, base, joint, angle, ["table"]) for angle in (0.05, 1.0))
+    narrow, wide = (swept_reach(world.simulation, base, joint, (-angle, angle), ["table"]) for angle in (0.05, 1.0))
     assert narrow.clearance > 0 >= wide.clearance and wide.nearest == "pillar"
     assert narrow.over_low and wide.over_low
-    away = swept_reach(world.simulation, np.array([0.0, 0.0, np.pi]), joint, 0.05, ["table"])
+    away = swept_reach(world.simulation, np.array([0.0, 0.0, np.pi]), joint, (-0.05, 0.05), ["table"])
     assert away.clearance > narrow.clearance and not away.over_low
-    far = swept_reach(world.simulation, np.array([-50.0, 0.0, 0.0]), joint, 0.05, [])
+    far = swept_reach(world.simulation, np.array([-50.0, 0.0, 0.0]), joint, (-0.05, 0.05), [])
     assert far == (MOST, "", False)
 
 

@@ -8,7 +8,7 @@ import torch
 from PIL import Image
 
 from sensory_commutativity.checkpoints import CheckpointError, save_state
-from sensory_commutativity.masks.decision import Rule, intersection_over_union, outcomes, tune
+from sensory_commutativity.masks.decision import Rule, cleaned, intersection_over_union, outcomes, tune
 from sensory_commutativity.masks.difference import difference
 from sensory_commutativity.masks.flownet import MaskFlowNet
 from sensory_commutativity.masks.loss import dice_loss, mask_loss
@@ -62,6 +62,13 @@ def test_overlap_by_hand():
     assert intersection_over_union(maps, truth)[0].tolist() == [0.5, 0.0]
 
 
+def test_specks_are_taken_away():
+    maps = np.zeros((1, 2, 128, 128), np.float32)
+    maps[0, 0, :3, :3], maps[0, 0, 50:54, 50:54], maps[0, 1, 0, 0] = 0.9, 0.9, 0.4
+    found = cleaned(maps)
+    assert (found > 0.5).sum() == 16 and found[0, 1, 0, 0] == np.float32(0.4) and maps.max() > 0
+
+
 def test_the_rule_is_tuned_to_the_highest_accuracy():
     maps = np.zeros((3, 2, 128, 128))
     maps[1], maps[2, 0, :10, :10] = 0.45, 0.65
@@ -77,7 +84,8 @@ def test_the_dice_loss_by_hand():
     masks = torch.zeros(1, 2, 8, 8)
     masks[0, 0, :2] = 1.0
     assert dice_loss(200 * masks - 100, masks).item() == pytest.approx(0.0, abs=1e-6)
-    assert dice_loss(torch.full_like(masks, -100.0), masks).item() == pytest.approx(1 - 10 / 26)
+    assert dice_loss(torch.full_like(masks, -100.0), masks).item() == pytest.approx((1 - 10 / 26) / 2)  # the empty mask is right
+    assert dice_loss(torch.full_like(masks, 100.0), masks).item() == pytest.approx((1 - 42 / 90 + 1 - 10 / 74) / 2)
 
 
 def test_later_refinements_count_for_more_and_dice_only_where_something_moved():
@@ -177,10 +185,10 @@ def test_the_learning_rate_rises_and_falls_once():
 
 def test_a_trained_model_fits_what_it_is_shown():
     pairs = some_pairs()
-    trainer = Trainer("raft", Recipe(visits=240, batch_size=6, learning_rate=3e-3), pairs, seed=1, **SMALL["raft"])
+    trainer = Trainer("raft", Recipe(visits=480, batch_size=6, learning_rate=3e-3), pairs, seed=1, **SMALL["raft"])
     while not trainer.finished:
         trainer.advance()
-    assert np.mean(trainer.losses[-5:]) < 0.6 * np.mean(trainer.losses[:5])
+    assert np.mean(trainer.losses[-5:]) < 0.75 * np.mean(trainer.losses[:5])
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -202,12 +210,12 @@ def test_a_resumed_run_ends_as_one_that_was_not(name):
         assert all(torch.equal(a, b) for a, b in zip(run(None), run(stop_at), strict=True))
 
 
-def test_every_pair_is_shown_once_in_an_epoch():
+def test_an_epoch_shows_every_pair_and_twice_those_in_which_something_moved():
     trainer = Trainer("flownet", Recipe(visits=100, batch_size=4), some_pairs(), seed=3, **SMALL["flownet"])
     shown = []
-    for trainer.step in range(3):
+    for trainer.step in range(4):
         shown += trainer._chosen().tolist()
-    assert sorted(shown[:6]) == list(range(6)) and sorted(shown[6:]) == list(range(6))
+    assert sorted(shown[:8]) == sorted(shown[8:]) == [0, 1, 2, 2, 3, 4, 5, 5]
 
 
 def test_augmentation_changes_both_pictures_alike_and_takes_the_masks_along():
@@ -227,7 +235,7 @@ def test_the_first_half_of_the_steps_is_coarse():
     sizes = []
     for trainer.step in range(100):
         sizes.append(trainer._batch()[0].shape[-1])
-    assert set(sizes[: int(100 * COARSE)]) == {64} and 0.6 < np.mean(np.array(sizes[50:]) == 128) < 0.95
+    assert set(sizes[: int(100 * COARSE)]) == {64} and 0.65 < np.mean(np.array(sizes[50:]) == 128) < 1
 
 
 # ---- predictors --------------------------------------------------------------------------------------------------------------
@@ -245,9 +253,26 @@ def test_a_predictor_is_read_as_it_was_written(predictor):
     loaded = load_predictor(predictor, "raft")
     assert loaded.rule == Rule(0.4, 0.6, 8.0)
     pictures = some_pairs(3).pictures
-    assert np.array_equal(loaded.probabilities(pictures, 1), load_predictor(predictor).probabilities(pictures, 1))
+    assert np.array_equal(loaded.probabilities(pictures, batch_size=1), load_predictor(predictor).probabilities(pictures, batch_size=1))
     found = loaded.probabilities(pictures)
     assert found.shape == (3, 2, 128, 128) and found.dtype == np.float32 and 0 <= found.min() <= found.max() <= 1
+
+
+def test_pictures_of_another_field_of_view_are_brought_to_the_size_that_was_trained_with(tmp_path):
+    seen = []
+
+    class Watching(torch.nn.Module):
+        architecture = {}
+
+        def forward(self, first, second):
+            seen.append(first.shape[2:])
+            return [torch.full((len(first), 2, *first.shape[2:]), 3.0)]
+
+    predictor = MaskPredictor("raft", Watching(), field_of_view=45.0)
+    pictures = some_pairs(3).pictures
+    for view, side in ((None, 128), (45.0, 128), (90.0, 320), (30.0, 96)):
+        found = predictor.probabilities(pictures, view)
+        assert seen[-1] == (side, side) and found.shape == (3, 2, 128, 128) and found == pytest.approx(1 / (1 + np.exp(-3)), rel=1e-5)
 
 
 def test_the_difference_is_a_predictor_too(tmp_path):

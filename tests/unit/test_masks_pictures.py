@@ -151,7 +151,7 @@ def test_experiments_on_objects_are_labelled_and_play_their_alternatives(config)
     assert set(found["outcome"][:, :, 0].ravel()) >= {IDENTICAL, DIFFERENT}
     untouched = ~found["touched_fixed"] & (found["moved"][:, 0] == 0)
     assert untouched.any() and (found["outcome"][untouched, :, 0] == IDENTICAL).all()  # free space commutes
-    assert (found["outcome"][untouched, :, 2] != MOVED).all() and (found["touched_fixed"] | ~found["touched_fixed_first"]).all()
+    assert (found["touched_fixed"] | ~found["touched_fixed_first"]).all()
 
 
 def test_without_alternatives_only_both_orders_are_compared(config):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from scipy import stats
 
 from sensory_commutativity.config import load
 from sensory_commutativity.masks.outcome import OUTCOMES
@@ -34,7 +35,7 @@ def scores(model: str, test_set: str, right: dict[str, int], n: int = 20, iou: f
         for i in range(n):
             said = outcome if i < right[outcome] else OUTCOMES[(k + 1) % 3]
             both = (iou - 0.01 * (i % 3), iou if i % 2 else np.nan) if outcome == "moved" else (np.nan, np.nan)
-            rows.append((model, test_set, k * n + i, "random", outcome, said, *both, 90, 100, 95))
+            rows.append((model, test_set, i // 2, k * n + i, "random", outcome, said, *both, 90, 100, 95))
     return pd.DataFrame(rows, columns=[column.name for column in TABLES["mask_scores"]])
 
 
@@ -58,8 +59,10 @@ def test_an_empty_view_neither_helps_nor_harms():
 def test_models_are_compared_on_the_same_tuples():
     table = pd.concat([scores("raft", "as-trained", ALL), scores("flownet", "as-trained", {**ALL, "moved": 5}, iou=0.5)], ignore_index=True)
     found = compared(table).set_index("measure")
-    assert found.loc["accuracy", "difference"] == pytest.approx(15 / 60) and found.loc["accuracy", "p"] == pytest.approx(2 * 0.5**15)
-    assert found.loc["iou", "difference"] == pytest.approx(0.4) and found.loc["iou", "p_adjusted"] < 0.001
+    assert found.loc["accuracy", "difference"] == pytest.approx(15 / 60) and found.loc["accuracy", "p_tuples"] == pytest.approx(2 * 0.5**15)
+    by_household = [0, 0, 0.5, *[1] * 7]  # of the difference of the two tuples of each household in which something moved
+    assert found.loc["accuracy", "households"] == 10 and found.loc["accuracy", "p"] == pytest.approx(stats.ttest_1samp(by_household, 0).pvalue)
+    assert found.loc["iou", "difference"] == pytest.approx(0.4) and found.loc["iou", "p_tuples"] < 0.001
     with pytest.raises(ValueError, match="same tuples"):
         compared(table[~((table["model"] == "flownet") & (table["experiment"] == 3))])
 
@@ -109,7 +112,7 @@ def places():
         near = i % 2 == 0
         scp = (0.2 if near else 0.95) + rng.uniform(-0.05, 0.05)
         room = "kitchen" if near else "living"
-        rows.append(("rs", room, i / 2, 0.0, 0.0, 10, 5, scp, 0.0, 1.0, scp, -0.1 if near else 0.5, near, "wall" if near else "", i % 8 == 1))
+        rows.append(("rs", "shoulder-pan", room, i / 2, 0.0, 0.0, 10, 5, scp, 0.0, 1.0, scp, -0.1 if near else 0.5, near, "wall" if near else "", i % 8 == 1))
     return pd.DataFrame(rows, columns=[column.name for column in TABLES["local_scp"]])
 
 
@@ -125,7 +128,7 @@ def claims(config, places, raft: pd.DataFrame, other: pd.DataFrame, found: pd.Da
     parts = {"as-trained": raft, "all-other": other}
     rng = np.random.default_rng(0)
     summary = pd.DataFrame([dict(model="raft", test_set=name, **summarised(part, rng)) for name, part in parts.items()])
-    comparisons = compared(pd.concat([raft, scores("flownet", "as-trained", dict.fromkeys(OUTCOMES, 12), iou=0.5)], ignore_index=True))
+    comparisons = compared(pd.concat([raft, scores("flownet", "as-trained", dict.fromkeys(OUTCOMES, 0), iou=0.5)], ignore_index=True))
     tables = dict(mask_summary=summary, mask_comparisons=comparisons, mask_discoveries=found, local_scp_summary=map_summary(places, config))
     return {claim.claim: bool(claim.holds) for claim in mask_claims(tables, config)}
 
@@ -139,7 +142,7 @@ def made_up_discoveries(blind: bool) -> pd.DataFrame:
     outcome[100:180, 0] = DIFFERENT
     if not blind:
         outcome[100:180, 2] = DIFFERENT
-    return discoveries(outcome, truth, np.full((n, 3), 0.9), touched)
+    return discoveries(outcome, truth, np.full((n, 3), 0.9), touched).assign(kind="random")
 
 
 def test_all_claims_hold_where_all_is_as_the_paper_says(config, places):

@@ -12,7 +12,9 @@ from sensory_commutativity.figures.catalogue import COMPARED, FIGURES, source_fi
 from sensory_commutativity.folders import check_writable
 from sensory_commutativity.masks.from_config import (
     check_masks,
+    experiments_of_job,
     map_jobs,
+    pairs_of_job,
     settings_of_data,
     settings_of_map,
     settings_of_tests,

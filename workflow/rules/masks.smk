@@ -48,7 +48,9 @@ rule mask_pairs:
     resources:
         mem_mb=1500,
     params:
-        settings=digest(settings_of_data(CONFIG)),
+        settings=lambda w: digest(
+            settings_of_data(CONFIG), pairs_of_job(CONFIG, w.split, int(w.part) - 1)
+        ),
     message:
         "pairs of pictures, {wildcards.split}, part {wildcards.part} of {wildcards.parts}"
     shell:
@@ -122,7 +124,10 @@ rule mask_tuples:
     resources:
         mem_mb=1500,
     params:
-        settings=lambda w: digest(settings_of_tests(CONFIG, TUPLE_RUNS[w.run])),
+        settings=lambda w: digest(
+            settings_of_tests(CONFIG, TUPLE_RUNS[w.run]),
+            experiments_of_job(CONFIG, int(w.part) - 1),
+        ),
     message:
         "SC-experiments on objects, {wildcards.run}, part {wildcards.part} of {wildcards.parts}"
     shell:
@@ -228,7 +233,6 @@ rule mask_examples:
 rule local_scp_part:
     input:
         predictor=MODELS / "masks" / "raft.predictor",
-        mask_dof=TABLES / "mask_dof.parquet",
     output:
         DATA / "local_scp" / "places.{part}-of-{parts}.parquet",
     log:
@@ -243,7 +247,7 @@ rule local_scp_part:
         "the local SCP, part {wildcards.part} of {wildcards.parts}"
     shell:
         "sensory-commutativity local-scp-part --config {RESOLVED:q} --part {wildcards.part}/{wildcards.parts}"
-        " --predictor {input.predictor:q} --mask-dof {input.mask_dof:q} --out {output:q} 2> {log:q}"
+        " --predictor {input.predictor:q} --out {output:q} 2> {log:q}"
 
 
 rule local_scp:

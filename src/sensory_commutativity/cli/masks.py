@@ -187,15 +187,14 @@ def mask_examples(
 @with_config
 @_part
 @_predictor
-@table("mask-dof")
 @with_out
-def local_scp_part(config: Config, part: tuple[int, int], predictor: Path, mask_dof: Path, out: Path) -> None:
+def local_scp_part(config: Config, part: tuple[int, int], predictor: Path, out: Path) -> None:
     """Measure the local SCP at a job's places."""
     from ..masks.from_config import map_jobs
     from ..stages.local_scp import write_local_scp_part
 
     check_parts(part, map_jobs(config))
-    write_local_scp_part(config, part[0] - 1, predictor, mask_dof, out)
+    write_local_scp_part(config, part[0] - 1, predictor, out)
 
 
 @click.command()

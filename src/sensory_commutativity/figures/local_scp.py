@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from ..config import Config
 from ..worlds.apartment.drawing import plan
 from ..worlds.apartment.from_config import apartment_world
+from .style import dof_label
 
 _SCALE = {"scp": (0, 1), "clearance": (-0.2, 1)}
 
@@ -32,7 +33,7 @@ def _map(axes: Axes, table: pd.DataFrame, column: str, spacing: float, label: st
 
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     table, summary = tables["local_scp"], tables["local_scp_summary"]
-    settings = config.masks.map
+    settings, dof = config.masks.map, dof_label(table["dof"].iloc[0]) if len(table) else "arm"
     world = apartment_world(config, config.masks.robot, settings.scene, "anywhere")
     picture, extent = plan(world.simulation)
     world.simulation.close()
@@ -41,8 +42,8 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         (left, settings.scene),
         (
             middle,
-            f"local SCP of {config.masks.robot}'s arm, {settings.experiments} SC-experiments of {settings.sequence_length} steps\n"
-            "each; squares: mean of headings, dots: each heading",
+            f"local SCP of {config.masks.robot}'s {dof}, {settings.experiments} SC-experiments of {settings.sequence_length} steps\n"
+            "each; squares: mean of headings, dots: each heading; none: no room to stand",
         ),
         (right, "truth: metres from the swept arm to the nearest\nimmovable thing, below 0 inside it"),
     ):

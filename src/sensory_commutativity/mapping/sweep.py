@@ -1,7 +1,6 @@
 """What is truly within an arm's reach: the arm swept as far as a random sequence drives it, and what it meets (for comparison with the local SCP).
 
-The true reach of a sequence differs from experiment to experiment. Taken is the median: the largest excursion from the start that half of all random
-sequences of this length exceed.
+How far an arm gets differs from experiment to experiment. Taken is what half of all experiments reach, on either side, in one of their two orders.
 """
 
 from __future__ import annotations
@@ -44,15 +43,29 @@ class Reach(NamedTuple):
     over_low: bool
 
 
-def median_excursion(length: int, speed: float, rng: np.random.Generator) -> float:
-    """The largest excursion from its start that half of all random sequences of a joint exceed, in the unit of `speed`, which an action of 1
-    moves."""
-    furthest = [np.abs(np.cumsum(sample_sequence(rng, length, 0, 1)[:, 0])).max() for _ in range(SEQUENCES)]
-    return float(np.median(furthest)) * speed
+def usual_range(length: int, speed: float, start: tuple[float, float], rng: np.random.Generator) -> tuple[float, float]:
+    """Lowest and highest position of a joint that half of all SC-experiments reach, in the unit of `speed`, if nothing is in the way.
+
+    Parameters
+    ----------
+    length : int
+        Actions of a sequence.
+    speed : float
+        What an action of 1 moves.
+    start : tuple of float
+        Range from which start positions are drawn.
+    """
+    ends = np.empty((SEQUENCES, 2))
+    for i in range(SEQUENCES):
+        sequence = sample_sequence(rng, length, 0, 1)[:, 0]
+        both = np.concatenate([[0.0], np.cumsum(sequence), np.cumsum(rng.permutation(sequence))]) * speed + rng.uniform(*start)
+        ends[i] = both.min(), both.max()
+    low, high = np.median(ends, axis=0)
+    return float(low), float(high)
 
 
-def swept_reach(simulation: Simulation, base: np.ndarray, joint: int, excursion: float, low: Collection[str]) -> Reach:
-    """What the arm meets when a joint sweeps to both sides of the middle of its start range.
+def swept_reach(simulation: Simulation, base: np.ndarray, joint: int, between: tuple[float, float], low: Collection[str]) -> Reach:
+    """What the arm meets when a joint sweeps, all others in the middle of their start ranges.
 
     Parameters
     ----------
@@ -62,8 +75,8 @@ def swept_reach(simulation: Simulation, base: np.ndarray, joint: int, excursion:
         x, y (metres) and heading (rad).
     joint : int
         Which of :attr:`.robot.Robot.joints` sweeps.
-    excursion : float
-        How far to either side, rad; its limits stop it.
+    between : tuple of float
+        From where to where, rad; its limits stop it.
     low : collection of str
         Names of low furniture.
     """
@@ -71,7 +84,7 @@ def swept_reach(simulation: Simulation, base: np.ndarray, joint: int, excursion:
     middle = robot.start_ranges.mean(1)
     boxes = [_bounds(fixture) for fixture in fixtures if fixture.name in low]
     links, nearest, name, over = arm_links(simulation), MOST, "", False
-    for angle in middle[joint] + np.linspace(-excursion, excursion, STOPS):
+    for angle in np.linspace(*between, STOPS):
         joints = middle.copy()
         joints[joint] = np.clip(angle, *robot.limits[joint])
         simulation.put_robot(base, joints)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import label
 
-from .outcome import OUTCOMES
+from .outcome import OUTCOMES, SEEN
 
 MASK = 0.5
 """Probability from which a pixel belongs to a mask."""
@@ -37,6 +38,18 @@ def outcomes(probabilities: np.ndarray, rule: Rule) -> np.ndarray:
     something = (probabilities > rule.sure).sum((1, 2, 3)) >= rule.area * height * width / 128**2
     found = np.where(everything, OUTCOMES.index("different"), np.where(something, OUTCOMES.index("moved"), OUTCOMES.index("identical")))
     return found.astype(np.int8)
+
+
+def cleaned(probabilities: np.ndarray) -> np.ndarray:
+    """The maps, float (n, 2, h, w), without specks: connected parts above MASK that are smaller than anything that counts as in sight become 0."""
+    found = probabilities.copy()
+    least = SEEN * probabilities.shape[2] * probabilities.shape[3] / 128**2
+    for image in found.reshape(-1, *probabilities.shape[2:]):
+        parts, n = label(image > MASK)
+        if n:
+            small = np.bincount(parts.ravel()) < least
+            image[small[parts] & (parts > 0)] = 0
+    return found
 
 
 def intersection_over_union(probabilities: np.ndarray, masks: np.ndarray) -> np.ndarray:

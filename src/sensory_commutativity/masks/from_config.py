@@ -138,10 +138,29 @@ def dof_nearest_half(scp: pd.DataFrame, config: Config) -> tuple[str, float]:
     rows = rows[rows["field_of_view"] == settings.fields_of_view[0]].set_index("dof")["scp"]
     robot = robot_of_masks(config)
     arm = [dof.name for dof in robot.description.dofs if dof.unit == "rad" and not set(dof.joints) & set(robot.wheels)]
-    if not arm:
-        raise ConfigError(f"masks.robot: {robot.description.name!r} has no arm, i.e. no joint that turns and is no wheel; choose another robot")
     nearest = (rows[arm] - 0.5).abs().idxmin()
     return str(nearest), float(rows[nearest])
+
+
+def first_of_arm(robot: Robot) -> int:
+    """Place, in the action vector, of the arm joint nearest the body. Raises ConfigError where there is none."""
+    turning = [joint.name for joint in robot.joints if joint.kind != "prismatic"]
+    found = next((k for k, dof in enumerate(robot.description.dofs) if turning and turning[0] in dof.joints), None)
+    if found is None:
+        raise ConfigError(f"masks.robot: {robot.description.name!r} has no arm, i.e. no joint that turns and is no wheel; choose another robot")
+    return found
+
+
+def pairs_of_job(config: Config, split: Split, job: int) -> int:
+    """How many pairs of each outcome a job makes."""
+    data = config.masks.data
+    return min(data.pairs_per_job, (data.pairs if split == "training" else data.validation_pairs) - job * data.pairs_per_job)
+
+
+def experiments_of_job(config: Config, job: int) -> int:
+    """How many SC-experiments a job plays."""
+    tests = config.masks.tests
+    return min(tests.experiments_per_job, tests.experiments - job * tests.experiments_per_job)
 
 
 def settings_of_data(config: Config) -> str:
@@ -173,7 +192,7 @@ def settings_of_training(config: Config, model: ModelName) -> str:
 
 def check_masks(config: Config) -> None:
     """Raise UserError for what can be told before any job: a joint, a room or a piece of furniture that is not there."""
-    robot_of_masks(config)
+    first_of_arm(robot_of_masks(config))
     settings = config.masks.map
     scene = scene_of(config.apartment, settings.scene)
     rooms, fixtures = [area.name for area in scene.areas], {fixture.name for fixture in scene.fixtures}

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..worlds.apartment import frames as fr
 from ..worlds.apartment.camera import Camera, Picture, Renderer
 from ..worlds.apartment.geometry import scaled
 from ..worlds.apartment.objects import OBJECTS, Family, of_family
@@ -34,6 +35,10 @@ BEFORE = (0.5, 1.2)
 """Metres from the robot's middle to the object before which it stands; chosen: as far as arms reach."""
 BESIDE = (0.4, 0.15)
 """Metres from the hand to that object, in the plane and in height; chosen: as far as a hand comes in a second."""
+LYING = 0.2
+"""Of the scattered objects, those laid on their side; chosen: as what arms have pushed over."""
+RECOLOURED = 0.8
+"""Of the scenes to learn from, those whose rooms and furniture have other colours; chosen: one apartment has to stand for all."""
 _AWAY = 40.0  # metres: where objects are that found no place
 
 
@@ -61,7 +66,7 @@ class Household:
     objects : int
         How many there are.
     varied : bool
-        Whether objects have other sizes and colours than their own, and rooms other colours in half of the scenes: to learn from. To test on, things
+        Whether objects have other sizes and colours than their own, and rooms other colours in most scenes: to learn from. To test on, things
         are as they are.
 
     Attributes
@@ -88,28 +93,41 @@ class Household:
         simulation, rng, movables = self.simulation, self.rng, self.scene.movables
         simulation.place(np.array(PARKED), simulation.robot.start_ranges.mean(1))
         for i in range(len(movables)):
-            self._put_away(i)
+            self.put_away(i)
         for i in range(len(movables)):
             for _ in range(TRIES):
                 area = self.scene.areas[int(rng.integers(len(self.scene.areas)))]
-                if self.stand(i, rng.uniform(*area.x), rng.uniform(*area.y), float(rng.choice([2.2, 1.15]))):  # under shelves and tables, too
+                lying = rng.uniform() < LYING
+                if self.stand(i, rng.uniform(*area.x), rng.uniform(*area.y), float(rng.choice([2.2, 1.15])), lying):  # under shelves and tables, too
                     break
             else:
-                self._put_away(i)
+                self.put_away(i)
         simulation.wait(RESTING)
         simulation.keep_objects()
         self.scattered = simulation.object_poses()
         if self.varied:
             self._renderer = self._painted_renderer()
 
-    def stand(self, i: int, x: float, y: float, from_height: float) -> bool:
-        """Stand the i-th object on what is below a point; False if there is no room."""
+    def stand(self, i: int, x: float, y: float, from_height: float, lying: bool = False, heading: float | None = None) -> bool:
+        """Stand the i-th object on what is below a point, or lay it on its side, turned by `heading` (rad) or anyhow; False, with the object away, if
+        there is no room."""
+        self.put_away(i)  # or it would stand on itself
         surface = self.simulation.surface_below(x, y, from_height)
         if surface is None:
             return False
-        half, turn = _half_height(self.scene.movables[i]), self.rng.uniform(-math.pi, math.pi) / 2
-        self.simulation.put_object(i, np.array([x, y, surface + half + 0.002, 0, 0, math.sin(turn), math.cos(turn)]))
-        return not self.simulation.object_penetrates(i)
+        movable, turn = self.scene.movables[i], self.rng.uniform(-math.pi, math.pi) if heading is None else heading
+        frame = fr.on_floor(x, y, turn, surface + (_radius(movable) if lying else _half_height(movable)) + 0.002)
+        if lying:
+            frame = frame @ fr.turned(np.array([1.0, 0.0, 0.0]), math.pi / 2)
+        self.simulation.put_object(i, np.array([*frame[:3, 3], *fr.to_quaternion(frame)]))
+        if self.simulation.object_penetrates(i):
+            self.put_away(i)
+            return False
+        return True
+
+    def put_away(self, i: int) -> None:
+        """Take the i-th object out of the apartment."""
+        self.simulation.put_object(i, np.array([_AWAY + i, _AWAY, _half_height(self.scene.movables[i]) + 0.002, 0, 0, 0, 1.0]))
 
     def begin(self) -> None:
         """The robot somewhere among the scattered objects, its arm as it starts experiments or, in half of the cases, anyhow."""
@@ -149,11 +167,8 @@ class Household:
         poses = self.simulation.poses()
         return View(tuple(self._renderer.render(camera, eye, poses, light) for camera in self.cameras), eye)
 
-    def _put_away(self, i: int) -> None:
-        self.simulation.put_object(i, np.array([_AWAY + i, _AWAY, _half_height(self.scene.movables[i]) + 0.002, 0, 0, 0, 1.0]))
-
     def _painted_renderer(self) -> Renderer:
-        scene = _recoloured(self.scene, self.rng) if self.rng.uniform() < 0.5 else self.scene
+        scene = _recoloured(self.scene, self.rng) if self.rng.uniform() < RECOLOURED else self.scene
         shown = pieces(self.simulation)
         parts = [part for fixture in scene.fixtures for part in fixture.parts] + [part for movable in scene.movables for part in movable.parts]
         return Renderer([replace(piece, part=part) for piece, part in zip(shown, parts, strict=False)] + shown[len(parts) :], self._bodies)
@@ -164,6 +179,11 @@ def displaced(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     shift = np.linalg.norm(before[:, :3] - after[:, :3], axis=1)
     turn = 2 * np.arccos(np.clip(np.abs((before[:, 3:] * after[:, 3:]).sum(1)), 0, 1))
     return np.nonzero((shift >= 0.01) | (turn >= math.radians(5)))[0]
+
+
+def _radius(movable: Movable) -> float:
+    """Metres from an object's upright axis to its furthest point."""
+    return max(float(np.hypot(*part.mesh.vertices[:, :2].T).max()) for part in movable.parts)
 
 
 def _half_height(movable: Movable) -> float:
@@ -177,7 +197,7 @@ def _random_object(family: Family, i: int, rng: np.random.Generator, varied: boo
     place = (_AWAY + i, _AWAY, 0.5)
     if not varied:
         return Movable(f"object-{i}", what.category, what.mass, what.parts, what.solids, place)
-    factors = rng.uniform(0.8, 1.5) * rng.uniform(0.8, 1.25, 3)
+    factors = rng.uniform(0.75, 1.3) * rng.uniform(0.85, 1.18, 3)
     factors[1] = factors[0]  # round things stay round
     if any(solid.kind == "sphere" for solid in what.solids):
         factors[2] = factors[0]

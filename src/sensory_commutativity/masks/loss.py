@@ -30,8 +30,8 @@ def mask_loss(refinements: list[Tensor], masks: Tensor, moved: Tensor) -> Tensor
 
 
 def dice_loss(logits: Tensor, masks: Tensor) -> Tensor:
-    """1 - Dice over both masks of a pair together, mean over pairs."""
+    """1 - Dice of each mask, mean over masks and pairs; of an empty mask, how much is predicted where nothing is."""
     probability = torch.sigmoid(logits)
-    both = (probability * masks).sum((1, 2, 3))
-    sizes = probability.sum((1, 2, 3)) + masks.sum((1, 2, 3))
+    both = (probability * masks).sum((2, 3))
+    sizes = probability.sum((2, 3)) + masks.sum((2, 3))
     return (1 - (2 * both + SMOOTHING) / (sizes + SMOOTHING)).mean()

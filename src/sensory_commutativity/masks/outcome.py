@@ -2,8 +2,9 @@
 
 The rule, fixed before anything was trained: the pair is *different* if the robot ended elsewhere, so that the picture shows it; *moved* if it did
 not, but something that is in sight did; *identical* otherwise. Elsewhere means that what stands still is, on average over the picture, displaced by
-more than MOST_SHIFT pixels (of 128), or that the robot's own arm covers or uncovers more than MOST_ARM of the picture. A camera that comes back a
-degree off is thus identical, three degrees off is different, and between the displacement decides.
+more than MOST_SHIFT pixels (of 128), or that the robot's own arm covers or uncovers more than MOST_ARM of the picture. With a field of view of 90
+degrees a camera that comes back a degree off is thus identical and three degrees off is different, with one of 45 degrees the limit is at about
+three quarters of a degree; in between the displacement decides.
 """
 
 from __future__ import annotations

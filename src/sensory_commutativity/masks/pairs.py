@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import UserError
 from ..worlds.apartment.scene import IDENTITIES
 from .household import TRIES, Household, View, displaced
 from .outcome import SEEN, Outcome, outcome_of
@@ -18,8 +19,12 @@ from .sensor import JITTER, jittered, photographed, some_light
 
 PAIRS_PER_SCATTER = 60
 """Pairs with the same objects in the same places; chosen: scattering takes as long as some five of them."""
-FALL = 30
-"""Substeps (an eighth of a second) in which a displaced object comes to rest."""
+FALL, ROLL = 30, 120
+"""Substeps (an eighth and half a second) in which an object that was put down, or pushed, comes to rest."""
+NEAR = 0.6
+"""Of the pairs, those with the robot's hand beside an object, as in most SC-experiments on objects; the others begin anywhere."""
+ATTEMPTS = 3_000
+"""Situations that are tried for one pair; chosen: a hundred times what the apartments here need."""
 
 
 class Pair(NamedTuple):
@@ -51,15 +56,20 @@ class PairFactory:
     def pair(self, outcome: Outcome) -> Pair:
         """A pair with this outcome; situations in which it does not come about are drawn anew."""
         make = {"identical": self._identical, "different": self._different, "moved": self._moved}[outcome]
-        while True:
+        for _ in range(ATTEMPTS):
             if self._since >= PAIRS_PER_SCATTER:
                 self.household.scatter()
                 self._since = 0
-            self.household.begin()
+            if self.rng.uniform() >= NEAR or not self.household.begin_near_an_object():
+                self.household.begin()
             self._since += 1
             made = make()
             if made is not None and made.outcome == outcome:
                 return made
+        raise UserError(
+            f"scene {self.household.scene.name!r}: none of {ATTEMPTS} situations makes a pair of pictures that is {outcome!r}; "
+            "let more objects lie about (masks.objects), or the head look elsewhere (masks.fixed)"
+        )
 
     # ---- pictures ----------------------------------------------------------------------------------------------------------
 
@@ -78,30 +88,39 @@ class PairFactory:
     def _back(self) -> float:
         """The robot comes back, more or less: its arm almost where it was in some cases; returns how its camera is to be jittered."""
         simulation, rng = self.simulation, self.rng
-        if rng.uniform() < 0.25:
+        if rng.uniform() < 0.3:
             base, joints = simulation.base(), simulation.joints()
-            bent = joints + rng.normal(0, 0.01, len(joints)) * (rng.uniform(size=len(joints)) < 0.3)
+            bends = rng.normal(0, math.exp(rng.uniform(math.log(0.002), math.log(0.04))), len(joints))
+            bent = joints + bends * (rng.uniform(size=len(joints)) < 0.3)
             simulation.put_robot(base, np.clip(bent, *simulation.robot.limits.T))
         return 0.0 if rng.uniform() < 0.3 else JITTER
 
     # ---- outcomes ----------------------------------------------------------------------------------------------------------
 
     def _identical(self) -> Pair:
-        first, jitter = self._look(), self._back()
-        return self._made(first, self._look(jitter), np.array([], int), "jitter" if jitter else "still")
+        first, before = self._look(), self.simulation.object_poses()
+        if self.rng.uniform() < 0.2:  # what moves by less than a centimetre has not moved
+            for i in self._seen(first)[:1]:
+                nudge = self.rng.uniform(-0.005, 0.005, 2)
+                self.simulation.put_object(int(i), before[i] + [*nudge, 0, 0, 0, 0, 0])
+        jitter = self._back()
+        really = displaced(before, self.simulation.object_poses())
+        return self._made(first, self._look(jitter), really, "jitter" if jitter else "still")
 
     def _different(self) -> Pair | None:
         first, simulation, rng = self._look(), self.simulation, self.rng
-        kind = str(rng.choice(["turned", "almost", "elsewhere", "arm"], p=[0.25, 0.25, 0.1, 0.4]))
+        kind = str(rng.choice(["turned", "almost", "elsewhere", "arm"], p=[0.25, 0.5, 0.15, 0.1]))
         if kind == "elsewhere":
             self.household.begin()
             return self._made(first, self._look(), np.array([], int), kind)
-        base, joints = simulation.base(), simulation.joints()
+        base, joints, before = simulation.base(), simulation.joints(), simulation.object_poses()
+        if rng.uniform() < 0.3:  # what pushes against a wall has often pushed something else
+            self._move_some(first, before)
         for _ in range(TRIES):
             there, bent = self._elsewhere(kind, base.copy(), joints.copy())
             simulation.put_robot(there, np.clip(bent, *simulation.robot.limits.T))
             if not simulation.penetrates():
-                return self._made(first, self._look(), np.array([], int), kind)
+                return self._made(first, self._look(), displaced(before, simulation.object_poses()), kind)
         return None
 
     def _elsewhere(self, kind: str, base: np.ndarray, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -119,37 +138,58 @@ class PairFactory:
         return base, joints
 
     def _moved(self) -> Pair | None:
-        simulation, rng = self.simulation, self.rng
-        first = self._look()
-        identity, before = first.pictures[0].identity, simulation.object_poses()
-        counts = np.bincount(np.where(identity < IDENTITIES["fixture"], identity, 0).ravel(), minlength=len(before) + 1)[1:]
-        seen = np.nonzero(counts >= SEEN)[0]
-        if not len(seen):
+        first, before = self._look(), self.simulation.object_poses()
+        if not self._move_some(first, before):
             return None
-        chosen = rng.choice(seen, size=min(len(seen), int(rng.geometric(0.6))), replace=False)
-        if rng.uniform() < 0.15:  # something comes into sight
-            chosen[0] = rng.integers(len(before))
-        moved = [int(i) for i in chosen if self._displace(int(i), before[i])]
-        if not moved:
-            return None
-        simulation.wait(FALL)
-        others = np.setdiff1d(np.arange(len(before)), np.union1d(moved, displaced(before, simulation.object_poses())))
-        for i in others:
-            simulation.put_object(int(i), before[i])  # to the last bit
-        really = displaced(before, simulation.object_poses())
+        really = displaced(before, self.simulation.object_poses())
         return self._made(first, self._look(self._back()), really, "moved")
 
+    # ---- objects -----------------------------------------------------------------------------------------------------------
+
+    def _seen(self, view: View) -> np.ndarray:
+        """Numbers of the objects that are in sight, in random order: int (k,)."""
+        identity = view.pictures[0].identity
+        counts = np.bincount(np.where(identity < IDENTITIES["fixture"], identity, 0).ravel(), minlength=len(self.household.scattered) + 1)[1:]
+        return self.rng.permutation(np.nonzero(counts >= SEEN)[0])
+
+    def _move_some(self, first: View, before: np.ndarray) -> bool:
+        """Displace some of what is seen; whatever did not move as far as counts is put back to the last bit. False if nothing could be moved."""
+        simulation, rng = self.simulation, self.rng
+        seen = self._seen(first)
+        chosen = seen[: int(rng.geometric(0.6))]
+        if not len(chosen):
+            return False
+        moved = [int(i) for i in chosen if self._displace(int(i), before[i])]
+        if not moved:
+            return False
+        nudged = np.setdiff1d(np.arange(len(before)), np.union1d(moved, displaced(before, simulation.object_poses())))
+        for i in nudged:
+            simulation.put_object(int(i), before[i])
+        return True
+
     def _displace(self, i: int, pose: np.ndarray) -> bool:
-        """By 3 to 60 cm in most cases, as arms and bases push; else to anywhere in front of the robot."""
+        """As arms and bases do: pushed, perhaps over or off what it stood on; put elsewhere, by 3 mm to 60 cm or far; or out of sight."""
         rng, base = self.rng, self.simulation.base()
+        way = rng.uniform()
+        if way < 0.4:
+            direction, speed = rng.uniform(-math.pi, math.pi), rng.uniform(0.2, 1.6)
+            velocity = np.array([speed * math.cos(direction), speed * math.sin(direction), 0.0])
+            self.simulation.kick_object(i, velocity, rng.normal(0, 4.0, 3))
+            self.simulation.wait(ROLL)
+            return True
+        if way < 0.6:
+            self.household.put_away(i)
+            return True
+        turn = 2 * math.atan2(pose[5], pose[6]) + rng.normal(0, 0.4) if rng.uniform() < 0.5 else None
         for _ in range(TRIES):
-            if rng.uniform() < 0.7:
-                distance, angle = math.exp(rng.uniform(math.log(0.03), math.log(0.6))), rng.uniform(-math.pi, math.pi)
+            if way < 0.9:
+                distance, angle = math.exp(rng.uniform(math.log(0.003), math.log(0.6))), rng.uniform(-math.pi, math.pi)
                 x, y = pose[0] + distance * math.cos(angle), pose[1] + distance * math.sin(angle)
             else:
                 distance, angle = rng.uniform(0.5, 3.0), base[2] + rng.uniform(-0.6, 0.6)
                 x, y = base[0] + distance * math.cos(angle), base[1] + distance * math.sin(angle)
-            if self.household.stand(i, x, y, pose[2] + 0.3):
+            if self.household.stand(i, x, y, pose[2] + 0.3, lying=rng.uniform() < 0.15, heading=turn):
+                self.simulation.wait(FALL)
                 return True
         self.simulation.put_object(i, pose)
         return False

@@ -10,9 +10,9 @@ import pandas as pd
 
 from ..config import Config
 from ..mapping.local import experiments_at
-from ..mapping.sweep import median_excursion, swept_reach
+from ..mapping.sweep import swept_reach, usual_range
 from ..masks.decision import outcomes
-from ..masks.from_config import cameras_of_masks, places_of_map, robot_of_masks
+from ..masks.from_config import cameras_of_masks, first_of_arm, places_of_map, robot_of_masks
 from ..masks.outcome import OUTCOMES
 from ..masks.predictor import load_predictor
 from ..progress import progress
@@ -22,19 +22,19 @@ from ..tables import TABLES, read_table, write_table
 from ..worlds.apartment.from_config import scene_of
 from ..worlds.apartment.world import ApartmentWorld
 from .mask_comparisons import BETTER
-from .mask_dof import read_dof
 
 TABLE = "local_scp"
 
 
-def write_local_scp_part(config: Config, part: int, predictor: Path, mask_dof: Path, out: Path) -> None:
+def write_local_scp_part(config: Config, part: int, predictor: Path, out: Path) -> None:
     """A job's places; those where the robot cannot stand have no row."""
     settings = config.masks.map
-    loaded, dof = load_predictor(predictor, BETTER), read_dof(mask_dof, config)
-    robot = robot_of_masks(config)
+    loaded, robot = load_predictor(predictor, BETTER), robot_of_masks(config)
+    dof = first_of_arm(robot)
     world = ApartmentWorld(scene_of(config.apartment, settings.scene), robot, cameras_of_masks(config, [config.masks.data.field_of_view]))
     joint = [one.name for one in robot.joints].index(robot.description.dofs[dof].joints[0])
-    excursion = median_excursion(settings.sequence_length, world.dofs[dof].speed, generator(config.seed, "masks", "map", "excursion"))
+    starts = tuple(robot.start_ranges[joint])
+    between = usual_range(settings.sequence_length, world.dofs[dof].speed, starts, generator(config.seed, "masks", "map", "range"))
     mine = places_of_map(config)[part * settings.places_per_job : (part + 1) * settings.places_per_job]
     rows = []
     for place in progress(mine, out.stem, "place"):
@@ -44,10 +44,11 @@ def write_local_scp_part(config: Config, part: int, predictor: Path, mask_dof: P
             continue
         called = outcomes(loaded.probabilities(seen.pictures), loaded.rule) == OUTCOMES.index("different")
         n, same = len(called), int((~called).sum())
-        reach = swept_reach(world.simulation, np.array(place[1:]), joint, excursion, settings.low)
+        reach = swept_reach(world.simulation, np.array(place[1:]), joint, between, settings.low)
         within = reach.clearance <= 0
         rows.append(
-            (settings.scene, *place, n, n - same, same / n, *(float(end) for end in wilson_interval(same, n)), float((~seen.different).mean()),
+            (settings.scene, world.dofs[dof].name, *place, n, n - same, same / n,
+             *(float(end) for end in wilson_interval(same, n)), float((~seen.different).mean()),
              reach.clearance, within, reach.nearest, reach.over_low and not within)
         )  # fmt: skip
     write_table(TABLE, pd.DataFrame(rows, columns=[column.name for column in TABLES[TABLE]]), out, config)

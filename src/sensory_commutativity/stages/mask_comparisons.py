@@ -1,4 +1,4 @@
-"""RAFT against the others, on the same tuples: exact McNemar tests of the outcomes, paired t-tests of the overlaps, Holm-corrected."""
+"""RAFT against the others, on the same tuples: paired t-tests over households, Holm-corrected; tests that take tuples for independent beside them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pandas as pd
 from scipy import stats
 
 from ..config import Config
-from ..statistics.paired import holm, mcnemar, paired_difference_interval
+from ..statistics.paired import holm, mcnemar
 from ..tables import read_table, write_table
 from .apartment_hierarchy import paired_means
 from .mask_summary import ious
@@ -28,18 +28,30 @@ def compared(scores: pd.DataFrame) -> pd.DataFrame:
             if not ours.index.equals(theirs.index):
                 raise ValueError(f"{test_set}: {BETTER} and {other} were not scored on the same tuples")
             right = [(table["outcome_true"] == table["outcome_predicted"]).to_numpy() for table in (ours, theirs)]
-            test = mcnemar(*right)
-            interval = paired_difference_interval(test.only_a, test.only_b, len(ours))
-            rows.append((BETTER, other, test_set, "accuracy", len(ours), test.difference, *interval, test.p, np.nan))
+            difference = right[0].astype(float) - right[1]
+            rows.append((BETTER, other, test_set, "accuracy", *_tested(difference, ours["household"]), mcnemar(*right).p))
             moved = (ours["outcome_true"] == "moved").to_numpy()
             difference = np.nan_to_num(ious(ours[moved])) - np.nan_to_num(ious(theirs[moved]))
-            if len(difference) > 1:
-                low, high, p = paired_means(difference)
+            if len(difference):
                 wilcoxon = float(stats.wilcoxon(difference).pvalue) if difference.any() else 1.0
-                rows.append((BETTER, other, test_set, "iou", len(difference), float(difference.mean()), low, high, p, wilcoxon))
-    columns = ["a", "b", "test_set", "measure", "n", "difference", "ci_low", "ci_high", "p", "p_wilcoxon"]
+                rows.append((BETTER, other, test_set, "iou", *_tested(difference, ours["household"][moved]), wilcoxon))
+    columns = ["a", "b", "test_set", "measure", "n", "difference", "ci_low", "ci_high", "households", "p", "p_tuples"]
     table = pd.DataFrame(rows, columns=columns)
     return table.assign(p_adjusted=holm(table["p"].to_numpy()))
+
+
+def _tested(difference: np.ndarray, household: pd.Series) -> tuple[int, float, float, float, int, float]:
+    """Number, mean and interval of paired differences (n,), number of households, and the p-value of a t-test of the households' means.
+
+    Tuples of a household share objects and places, so the household is the unit; each counts by its number of tuples.
+    """
+    groups = pd.Series(difference).groupby(household.to_numpy())
+    n, mean = len(difference), float(difference.mean())
+    weighted = (groups.sum() * groups.ngroups / n).to_numpy()  # their mean is that of all tuples
+    if groups.ngroups < 2:
+        return n, mean, np.nan, np.nan, groups.ngroups, 1.0
+    low, high, p = paired_means(weighted)
+    return n, mean, low, high, groups.ngroups, p
 
 
 def write_comparisons(mask_scores: Path, out: Path, config: Config) -> None:

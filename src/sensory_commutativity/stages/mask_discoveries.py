@@ -10,7 +10,7 @@ import pandas as pd
 
 from ..config import Config
 from ..masks.decision import MASK, outcomes
-from ..masks.experiments import COMPARISONS
+from ..masks.experiments import COMPARISONS, KINDS
 from ..masks.outcome import OUTCOMES
 from ..masks.predictor import load_predictor
 from ..masks.store import read_arrays, unpack
@@ -66,7 +66,7 @@ def discoveries(outcome: np.ndarray, truth: np.ndarray, overlap: np.ndarray, tou
 
 
 def write_discoveries(config: Config, predictor: Path, tuples: Sequence[Path], out: Path) -> None:
-    """Of all experiments in the training apartment, as they come, through the camera that was trained with."""
+    """Of all experiments in the training apartment, as they come, through the camera that was trained with; each kind of sequence by itself."""
     loaded = load_predictor(predictor, BETTER)
     found: list[tuple[np.ndarray, ...]] = []
     for part in progress(tuples, "discoveries", "part"):
@@ -78,6 +78,11 @@ def write_discoveries(config: Config, predictor: Path, tuples: Sequence[Path], o
         overlap = (predicted & masks).sum((2, 3, 4)) / np.maximum(1, (predicted | masks).sum((2, 3, 4)))
         outcome = np.stack([outcomes(probabilities[:, k], loaded.rule) for k in range(pictures.shape[1])], axis=1)
         touched = np.stack([arrays["touched_fixed"], arrays["touched_fixed_first"], arrays["touched_fixed_first"]], axis=1)
-        found.append((outcome, truth, overlap, touched))
-    table = discoveries(*(np.concatenate([one[k] for one in found]) for k in range(4)))
-    write_table("mask_discoveries", table, out, config)
+        found.append((outcome, truth, overlap, touched, arrays["kind"]))
+    outcome, truth, overlap, touched, kind = (np.concatenate([one[k] for one in found]) for k in range(5))
+    tables = [
+        discoveries(outcome[kind == k], truth[kind == k], overlap[kind == k], touched[kind == k]).assign(kind=name)
+        for k, name in enumerate(KINDS)
+        if (kind == k).any()
+    ]
+    write_table("mask_discoveries", pd.concat(tables, ignore_index=True), out, config)

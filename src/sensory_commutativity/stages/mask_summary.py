@@ -25,30 +25,40 @@ def ious(scores: pd.DataFrame) -> np.ndarray:
 def summarised(scores: pd.DataFrame, rng: np.random.Generator) -> dict[str, float]:
     """One row of the table mask_summary, of the scores of one model on one test set.
 
-    The interval of the accuracy is that of a bootstrap within each outcome; that of the overlap one over tuples.
+    Intervals: bootstrap over households, all tuples of a household together, since they share objects and places.
     """
-    right = (scores["outcome_true"] == scores["outcome_predicted"]).to_numpy(float)
-    groups = {outcome: right[(scores["outcome_true"] == outcome).to_numpy()] for outcome in OUTCOMES}
-    there = [found for found in groups.values() if len(found)]
-    resampled = np.mean([resampling_counts(len(found), RESAMPLES, rng) @ found / len(found) for found in there], axis=0)
-    low, high = percentile_interval(resampled, 0.95)
-    moved = scores[scores["outcome_true"] == "moved"]
-    iou = ious(moved)
-    iou = iou[np.isfinite(iou)]
-    ends = percentile_interval(resampling_counts(len(iou), RESAMPLES, rng) @ iou / len(iou), 0.95) if len(iou) else (np.nan, np.nan)
+    outcome = scores["outcome_true"].to_numpy()
+    right = (outcome == scores["outcome_predicted"].to_numpy()).astype(float)
+    iou = np.where(outcome == "moved", ious(scores), np.nan)
+    households = list(scores.reset_index(drop=True).groupby("household").indices.values())
+    counts = resampling_counts(len(households), RESAMPLES, rng)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        recalls = {name: _resampled_mean(np.where(outcome == name, right, np.nan), households, counts) for name in OUTCOMES}
+        accuracy, overlap = np.nanmean(np.stack(list(recalls.values())), axis=0), _resampled_mean(iou, households, counts)
+    known, moved = np.isfinite(iou), scores[outcome == "moved"]
+    recall = {name: float(right[outcome == name].mean()) if (outcome == name).any() else np.nan for name in OUTCOMES}
+    low, high = percentile_interval(accuracy[np.isfinite(accuracy)], 0.95)
+    ends = percentile_interval(overlap[np.isfinite(overlap)], 0.95) if known.any() else (np.nan, np.nan)
     return dict(
         n=len(scores),
-        **{f"n_{outcome}": len(found) for outcome, found in groups.items()},
-        accuracy=float(np.mean([found.mean() for found in there])),
+        **{f"n_{name}": int((outcome == name).sum()) for name in OUTCOMES},
+        accuracy=float(np.nanmean(list(recall.values()))),
         ci_low=low,
         ci_high=high,
-        **{f"recall_{outcome}": float(found.mean()) if len(found) else np.nan for outcome, found in groups.items()},
-        mean_iou=float(iou.mean()) if len(iou) else np.nan,
+        **{f"recall_{name}": value for name, value in recall.items()},
+        mean_iou=float(iou[known].mean()) if known.any() else np.nan,
         iou_ci_low=ends[0],
         iou_ci_high=ends[1],
-        median_iou=float(np.median(iou)) if len(iou) else np.nan,
+        median_iou=float(np.median(iou[known])) if known.any() else np.nan,
         pooled_iou=float(moved["intersection"].sum() / max(1, moved["union"].sum())) if len(moved) else np.nan,
     )
+
+
+def _resampled_mean(values: np.ndarray, households: list[np.ndarray], counts: np.ndarray) -> np.ndarray:
+    """Means of `values` (n,), NaN left out, in resamples of households: float (resamples,); NaN where a resample has none."""
+    sums = np.array([np.nansum(values[chosen]) for chosen in households])
+    numbers = np.array([np.isfinite(values[chosen]).sum() for chosen in households])
+    return (counts @ sums) / (counts @ numbers)
 
 
 def write_summary(mask_scores: Path, out: Path, config: Config) -> None:

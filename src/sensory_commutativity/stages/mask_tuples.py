@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..config import Config
 from ..masks.experiments import ObjectExperiments, tuples_of
-from ..masks.from_config import TupleRun, household_of_tests
+from ..masks.from_config import TupleRun, experiments_of_job, household_of_tests
 from ..masks.store import write_arrays
 from ..progress import progress
 from ..provenance import provenance
@@ -18,8 +18,7 @@ CONTENT = "tuples"
 def write_mask_tuples(config: Config, run: TupleRun, job: int, mask_dof: Path, out: Path) -> None:
     """A job's experiments of a run: arrays as :func:`.masks.experiments.tuples_of` gives them."""
     tests = config.masks.tests
-    n = min(tests.experiments_per_job, tests.experiments - job * tests.experiments_per_job)
     household = household_of_tests(config, run, job)
     experiments = ObjectExperiments(household, read_dof(mask_dof, config), tests.sequence_length, run.alternatives)
-    played = [experiments.play() for _ in progress(range(n), out.stem, "experiment")]
+    played = [experiments.play() for _ in progress(range(experiments_of_job(config, job)), out.stem, "experiment")]
     write_arrays(out, CONTENT, tuples_of(played, household), provenance(config))

@@ -9,7 +9,7 @@ import pyarrow as pa
 NULLABLE = (
     "ci_low", "ci_high", "excess_error", "spearman", "kendall", "statistic", "df", "difference", "effect_size",
     "tau", "median", "median_low", "median_high", "iqm", "iqm_low", "iqm_high", "loss",
-    "iou", "iou_1", "iou_2", "mean_iou", "iou_ci_low", "iou_ci_high", "median_iou", "pooled_iou", "accuracy", "p_wilcoxon",
+    "iou", "iou_1", "iou_2", "mean_iou", "iou_ci_low", "iou_ci_high", "median_iou", "pooled_iou", "accuracy", "p_tuples",
     "recall_identical", "recall_different", "recall_moved", "hits", "hits_low", "hits_high", "false_hits", "false_hits_low", "false_hits_high",
     "value",
 )  # fmt: skip

@@ -25,6 +25,7 @@ MASKS: Tables = {
     "mask_scores": (
         MODEL,
         TEST_SET,
+        Column("household", INT, "1", "number of the job: SC-experiments among the same objects"),
         Column("experiment", INT, "1", "number of the SC-experiment in its run"),
         Column("kind", TEXT, "", "random: a sequence and a permutation; left-right: left then right, and right then left"),
         Column("outcome_true", TEXT, "", "identical, different or moved, as the simulator knows"),
@@ -57,14 +58,16 @@ MASKS: Tables = {
         Column("a", TEXT, "", "one model"),
         Column("b", TEXT, "", "another, on the same tuples"),
         TEST_SET,
-        Column("measure", TEXT, "", "accuracy (exact McNemar test) or iou (paired t-test; Wilcoxon's beside it)"),
+        Column("measure", TEXT, "", "accuracy or iou"),
         Column("n", INT, "1", "tuples"),
         Column("difference", FLOAT, "1", "a minus b"),
         *INTERVAL,
+        Column("households", INT, "1", "independent sets of objects and places"),
         *TEST,
-        Column("p_wilcoxon", FLOAT, "1", "p-value of Wilcoxon's signed rank test, for iou"),
+        Column("p_tuples", FLOAT, "1", "p-value as if tuples were independent: exact McNemar test of the outcomes, Wilcoxon's of the overlaps"),
     ),
     "mask_discoveries": (
+        Column("kind", TEXT, "", "of the sequences: random or left-right, after which the first order ends where it began"),
         Column("comparison", TEXT, "", "sc-experiment: both orders; first-last: start and end; return: start, and back there"),
         Column("n", INT, "1", "experiments, all from the same starts"),
         Column("n_moved", INT, "1", "in which something in sight moved and the view is the same"),
@@ -84,6 +87,7 @@ MASKS: Tables = {
     ),
     "local_scp": (
         Column("apartment", TEXT, "", "a key of apartment.scenes"),
+        Column("dof", TEXT, "", "degree of freedom: the arm joint nearest the body"),
         Column("room", TEXT, "", "area of the floor plan"),
         Column("x", FLOAT, "m", "place of the robot"),
         Column("y", FLOAT, "m", "place of the robot"),
@@ -94,7 +98,10 @@ MASKS: Tables = {
         *INTERVAL,
         Column("scp_true", FLOAT, "1", "the same by the outcomes that the simulator knows"),
         Column(
-            "clearance", FLOAT, "m", "from the arm, swept as far as half of all sequences do, to the nearest fixture; at most 1, below 0 inside it"
+            "clearance",
+            FLOAT,
+            "m",
+            "from the arm, swept as far as half of all experiments reach, to the nearest fixture; at most 1, below 0 inside it",
         ),
         Column("within_reach", BOOL, "", "whether the swept arm meets a fixture"),
         Column("nearest_object", TEXT, "", "name of the nearest fixture; empty if none is within a metre"),

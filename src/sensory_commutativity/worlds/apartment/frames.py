@@ -48,6 +48,13 @@ def from_quaternion(position: Vector, rotation: Quaternion) -> np.ndarray:
     return frame
 
 
+def to_quaternion(frame: np.ndarray) -> Quaternion:
+    """The rotation of a frame: (x, y, z, w)."""
+    from scipy.spatial.transform import Rotation
+
+    return tuple(float(value) for value in Rotation.from_matrix(frame[:3, :3]).as_quat())  # type: ignore[return-value]
+
+
 def turned(axis: np.ndarray, angle: float) -> np.ndarray:
     """The frame that is turned by `angle` about the unit vector `axis`: float64 (4, 4)."""
     half = math.sin(angle / 2)
