@@ -112,7 +112,9 @@ def places():
         near = i % 2 == 0
         scp = (0.2 if near else 0.95) + rng.uniform(-0.05, 0.05)
         room = "kitchen" if near else "living"
-        rows.append(("rs", "shoulder-pan", room, i / 2, 0.0, 0.0, 10, 5, scp, 0.0, 1.0, scp, -0.1 if near else 0.5, near, "wall" if near else "", i % 8 == 1))
+        rows.append(
+            ("rs", "shoulder-pan", room, i / 2, 0.0, 0.0, 10, 5, scp, 0.0, 1.0, scp, -0.1 if near else 0.5, near, "wall" if near else "", i % 8 == 1)
+        )
     return pd.DataFrame(rows, columns=[column.name for column in TABLES["local_scp"]])
 
 
