@@ -45,7 +45,7 @@ def test_places_are_centred_in_every_room():
 
 
 def test_how_far_half_of_all_experiments_get_on_either_side():
-    """The maximum of a long random walk is distributed as the magnitude of its end: .674 standard deviations in the median; both orders get further."""
+    """The maximum of a long random walk is distributed as the magnitude of its end, .674 standard deviations in the median; two orders get on."""
     low, high = usual_range(1, 2.0, (0.0, 0.0), np.random.default_rng(0))
     assert (low, high) == pytest.approx((0, 0), abs=0.1)  # a single step goes up or down, not both
     low, high = usual_range(400, 1.0, (0.0, 0.0), np.random.default_rng(0))

@@ -262,8 +262,6 @@ def test_pictures_of_another_field_of_view_are_brought_to_the_size_that_was_trai
     seen = []
 
     class Watching(torch.nn.Module):
-        architecture = {}
-
         def forward(self, first, second):
             seen.append(first.shape[2:])
             return [torch.full((len(first), 2, *first.shape[2:]), 3.0)]
