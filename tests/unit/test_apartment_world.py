@@ -168,13 +168,13 @@ def test_what_only_trying_can_tell_is_told_with_its_key_before_the_long_work(tmp
     change = {"scenes": {"rs-stand-in": {"file": str(tmp_path / "full.yaml")}}}
     settings = validate(merge(config.model_dump(mode="json"), {"apartment": change}))
     with pytest.raises(ConfigError, match=r"config: apartment\.robots\.fetch in apartment\.scenes\.rs-stand-in: scene 'full'.* is a valid start"):
-        check_ready(settings)
+        check_ready(settings, "fetch", "rs-stand-in", "anywhere")
 
 
 def test_weights_that_cannot_be_had_are_told_before_the_long_work(config):
     settings = validate(merge(config.model_dump(mode="json"), {"apartment": {"weights": "nowhere/vgg16.npz"}}))
     with pytest.raises(WeightsError, match=r"apartment\.weights: there is no file nowhere/vgg16\.npz"):
-        check_ready(settings)
+        check_ready(settings, "fetch", "rs-stand-in", "anywhere")
 
 
 def test_a_robot_fixed_to_the_floor_is_put_back_where_it_stood(tmp_path):

@@ -224,12 +224,14 @@ def test_one_thread_unless_told():
 # ---- configuration ---------------------------------------------------------------------------------------------------------
 
 
-def test_check_says_what_would_be_done(cli_run):
+def test_check_says_what_would_be_done(cli_run, monkeypatch):
+    monkeypatch.chdir(ROOT)  # robots and scenes are named relative to it
     said = cli_run("check", str(DEFAULT), str(ROOT / "config" / "test.yaml"))
     assert said.code in (0, None)
     config = load(DEFAULT, ROOT / "config" / "test.yaml")
     n = sum(run.experiments for run in config.flatland.runs())
-    assert f"profile test: {n:,} SC-experiments of each degree of freedom in {len(config.flatland.runs())} runs" in said.out
+    assert f"profile test: SC-experiments of each degree of freedom: {n:,} in {len(config.flatland.runs())} runs in Flatland" in said.out
+    assert f"in {len(config.apartment.runs())} runs in apartments" in said.out
     assert "results/test" in said.out
 
 

@@ -34,22 +34,22 @@ def apartment_run(w):
 
 rule apartment_ready:
     output:
-        DATA / "apartment_ready.json",
+        DATA / "apartment_ready" / "{robot}.{scene}.{start}.json",
     log:
-        LOGS / "apartment_ready.log",
-    priority: 1000
-    threads: workflow.cores  # before all else, and alone: what is missing should be told before the long work
+        LOGS / "apartment_ready" / "{robot}.{scene}.{start}.log",
+    priority: 1000  # before all else: what is missing should be told before the long work
     params:
-        settings=apartment_settings(),
+        settings=lambda w: digest(settings_of_start(CONFIG, w.robot, w.scene, w.start)),
     message:
-        "fetching the weights of VGG16, once, and trying whether all robots find room to start"
+        "fetching the weights of VGG16, once, and trying whether {wildcards.robot} finds room to start in {wildcards.scene} ({wildcards.start})"
     shell:
-        "sensory-commutativity apartment-ready --config {RESOLVED:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity apartment-ready --config {RESOLVED:q} --robot {wildcards.robot} --scene {wildcards.scene}"
+        " --start {wildcards.start} --out {output:q} 2> {log:q}"
 
 
 rule apartment_experiments_part:
     input:
-        ancient(DATA / "apartment_ready.json"),  # a part depends on its own settings, not on when all were tried
+        DATA / "apartment_ready" / "{robot}.{scene}.{start}.json",
     output:
         DATA
         / "apartment_experiments"

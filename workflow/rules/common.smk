@@ -27,6 +27,7 @@ from sensory_commutativity.worlds.apartment.from_config import (
     check_apartment,
     contents,
     settings_of_run,
+    settings_of_start,
 )
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
 from sensory_commutativity.worlds.flatland.from_config import check_rooms

@@ -11,12 +11,16 @@ import click
 from ..config import Config
 from .common import Part, check_parts, table, with_config, with_out, with_parts
 
+_robot = click.option("--robot", required=True, help="A key of apartment.robots.")
+_scene = click.option("--scene", required=True, help="A key of apartment.scenes.")
+_start = click.option("--start", type=click.Choice(["anywhere", "within-reach"]), required=True, help="From which situations.")
+
 
 @click.command()
 @with_config
-@click.option("--robot", required=True, help="A key of apartment.robots.")
-@click.option("--scene", required=True, help="A key of apartment.scenes.")
-@click.option("--start", type=click.Choice(["anywhere", "within-reach"]), required=True, help="From which situations.")
+@_robot
+@_scene
+@_start
 @click.option("--length", type=click.IntRange(1), required=True, help="Actions in a sequence.")
 @click.option("--part", type=Part(), required=True, help="Which of the shares that the configuration cuts the work into.")
 @with_out
@@ -46,12 +50,17 @@ def apartment_experiments(config: Config, parts: tuple[Path, ...], out: Path) ->
 
 @click.command()
 @with_config
+@_robot
+@_scene
+@_start
 @with_out
-def apartment_ready(config: Config, out: Path) -> None:
-    """Fetch the VGG16 weights, once, and try whether every robot finds situations to start from."""
+def apartment_ready(config: Config, robot: str, scene: str, start: str, out: Path) -> None:
+    """Fetch the VGG16 weights, once, and try whether a robot finds situations to start from in a scene."""
     from ..worlds.apartment.from_config import check_ready
 
-    found = check_ready(config)
+    if (robot, scene, start) not in [run[:3] for run in config.apartment.runs()]:
+        raise click.UsageError(f"the configuration has no run of robot {robot!r} in scene {scene!r}, start {start!r}")
+    found = check_ready(config, robot, scene, start)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
 

@@ -44,7 +44,7 @@ def mask_pairs(config: Config, split: str, part: tuple[int, int], out: Path) -> 
 
 @click.command()
 @with_config
-@click.option("--model", type=click.Choice(LEARNED), required=True)
+@click.option("--model", type=click.Choice(LEARNED), required=True, help="Which is trained.")
 @_training
 @_validation
 @click.option("--predictor", type=FILE, required=True, help="File for the trained predictor.")

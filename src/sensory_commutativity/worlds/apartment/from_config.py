@@ -82,10 +82,8 @@ def contents(file: str | None, kind: Literal["robot", "scene", "weights"]) -> tu
 def settings_of_run(config: Config, run: ApartmentRun) -> str:
     """Everything in the configuration that a run's experiments depend on, the files that it names among it, as JSON."""
     settings = config.apartment
-    files = contents(settings.robots[run.robot].description, "robot") + contents(settings.scenes[run.scene].file, "scene")
-    reach = settings.reach if run.start == "within-reach" else None
     keys = {key: getattr(settings, key) for key in ("rest_steps", "image_size", "supersampling")}
-    return json.dumps([config.seed, run, files, contents(settings.weights, "weights"), settings.views(run), reach, keys])
+    return json.dumps([run, settings_of_start(config, run.robot, run.scene, run.start), settings.views(run), keys])
 
 
 def check_apartment(config: Config) -> None:
@@ -101,8 +99,8 @@ TRIED = 3
 """Start situations that are drawn of each run before the long work; chosen: a second each."""
 
 
-def check_ready(config: Config) -> dict[str, str]:
-    """What only trying can tell, before the long work: the weights are there, and every run finds start situations.
+def check_ready(config: Config, robot: str, scene: str, start: str) -> dict[str, str]:
+    """What only trying can tell of a run, before the long work: the weights are there, and the robot finds situations to start from.
 
     Returns
     -------
@@ -115,17 +113,25 @@ def check_ready(config: Config) -> dict[str, str]:
         With what is missing, where, and the remedy.
     """
     weights = vgg16_weights(config.apartment.weights)
-    for robot, scene, start in dict.fromkeys(run[:3] for run in config.apartment.runs()):
-        try:
-            world = apartment_world(config, robot, scene, start)
-            for i in range(TRIED):
-                world.reset(generator(config.seed, "check", robot, scene, start, i))
-        except ConfigError:
-            raise
-        except UserError as error:
-            raise ConfigError(f"config: apartment.robots.{robot} in apartment.scenes.{scene}: {error}") from None
-        world.simulation.close()
+    try:
+        world = apartment_world(config, robot, scene, start)
+        for i in range(TRIED):
+            world.reset(generator(config.seed, "check", robot, scene, start, i))
+    except ConfigError:
+        raise
+    except UserError as error:
+        raise ConfigError(f"config: apartment.robots.{robot} in apartment.scenes.{scene}: {error}") from None
+    world.simulation.close()
     return dict(weights=weights.source, sha256=weights.sha256)
+
+
+def settings_of_start(config: Config, robot: str, scene: str, start: str) -> str:
+    """Everything in the configuration that start situations depend on, the files that it names among it, as JSON."""
+    settings = config.apartment
+    files = contents(settings.robots[robot].description, "robot") + contents(settings.scenes[scene].file, "scene")
+    return json.dumps(
+        [config.seed, robot, scene, start, files, contents(settings.weights, "weights"), settings.reach if start == "within-reach" else None]
+    )
 
 
 def start_poses(config: Config, robot: str, scene: str, start: str, n: int) -> np.ndarray:
