@@ -14,6 +14,18 @@ from .style import GREEN, GREY, VERMILION, dof_label, group_colours
 _KINDS = (("touched", "touched something", VERMILION), ("hindered", "only its own body or a joint's limit", GREY), ("free", "neither", GREEN))
 
 
+def _labels(rows: pd.DataFrame) -> list[tuple[float, float, str]]:
+    """Where to write which names: those of points that lie close to each other together, one below the other."""
+    found: list[tuple[float, float, list[str]]] = []
+    for _, row in rows.sort_values("touched").iterrows():
+        close = next((label for label in found if abs(label[0] - row["touched"]) < 0.08 and abs(label[1] - row["scp"]) < 0.035), None)
+        if close is None:
+            found.append((row["touched"], row["scp"], [dof_label(row["dof"])]))
+        else:
+            close[2].append(dof_label(row["dof"]))
+    return [(x, y, ", ".join(names[:2]) + "".join(f",\n{name}" for name in names[2:])) for x, y, names in found]
+
+
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     settings = config.apartment
     reference = settings.reference
@@ -31,13 +43,14 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
             left.errorbar(
                 row["touched"], row["scp"], xerr=[[row["touched"] - row["ci_low"]], [row["ci_high"] - row["touched"]]], elinewidth=0.8, **style
             )
-            if start == "anywhere":
-                left.annotate(dof_label(row["dof"]), (row["touched"], row["scp"]), textcoords="offset points", xytext=(5, 4), fontsize=7)
+        if start == "anywhere":
+            for x, y, names in _labels(rows):
+                left.annotate(names, (x, y), textcoords="offset points", xytext=(6, 5), fontsize=7, va="bottom")
         if len(rows):
             left.plot([], [], color="#555555", marker=marker, linestyle="", label=f"{start}, n = {rows['n'].iloc[0]}")
     left.plot([0, 1], [1, 0], color=GREY, linewidth=0.8, linestyle=":")
     left.set_xlim(-0.02, 1.02)
-    left.set_ylim(0, 1.04)
+    left.set_ylim(0, 1.12)
     left.set_xlabel("fraction of experiments in which something was touched")
     left.set_ylabel("SCP")
     left.legend(title="start", loc="lower left")

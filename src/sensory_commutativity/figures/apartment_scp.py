@@ -33,14 +33,21 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     table = table[(table["threshold"] == settings.reference.threshold) & (table["length"] == settings.sequence_length)]
     table = table[table["field_of_view"] == settings.fields_of_view[0]]
     panels = [(settings.reference.robot, settings.reference.scene, "anywhere")]
-    panels += [(robot, scene, "within-reach") for robot in settings.within_reach.robots for scene in settings.within_reach.scenes]
     panels += [(robot, scene, "anywhere") for robot in settings.robots_compared.robots for scene in settings.robots_compared.scenes]
-    figure, grid = plt.subplots(1, len(panels), figsize=(4.6 * len(panels), 4.4), squeeze=False)
-    for axes, (name, scene, start) in zip(grid[0], panels, strict=True):
+    panels += [(robot, scene, "within-reach") for robot in settings.within_reach.robots for scene in settings.within_reach.scenes]
+    across = 2 if len(panels) == 4 else min(3, len(panels))
+    down = -(-len(panels) // across)
+    figure, grid = plt.subplots(down, across, figsize=(5.4 * across, 3.9 * down), squeeze=False)
+    for axes in grid.flat[len(panels) :]:
+        axes.set_axis_off()
+    for axes, (name, scene, start) in zip(grid.flat, panels, strict=False):
         rows = table[(table["robot"] == name) & (table["apartment"] == scene) & (table["start"] == start)]
         bars(axes, rows, load_robot(settings.robots[name].description))
         where = "started anywhere" if start == "anywhere" else f"started with something within {100 * settings.reach:g} cm of the arm"
         axes.set_title(f"{name} in {scene}, {where}\nn = {rows['n'].iloc[0]} for each degree of freedom", fontsize=8.5)
+    colours = {group: colour for robot in settings.robots.values() for group, colour in group_colours(load_robot(robot.description)).items()}
+    handles = [plt.Rectangle((0, 0), 1, 1, color=colour, label=group) for group, colour in colours.items()]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8)
     view = settings.fields_of_view[0]
     figure.suptitle(f"Threshold {settings.reference.threshold:g}, field of view {view:g} degrees; 95 % Wilson intervals", fontsize=9.5)
     return figure

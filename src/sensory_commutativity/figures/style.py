@@ -52,6 +52,9 @@ MEASURE_LABELS = {
     "steps_to_threshold": "steps to the threshold return (thousands)",
 }
 
+GROUP_COLOURS = {"wheel": BLUE, "torso": VERMILION, "shoulder": ORANGE, "elbow": GREEN, "wrist": PURPLE}
+"""Kinds of joints that the robots here have; others are given what is left."""
+
 _RC = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
@@ -67,10 +70,11 @@ _RC = {
 
 
 def group_colours(robot: Robot) -> dict[str, str]:
-    """Colour of each group of a robot's degrees of freedom, in the order in which it names them."""
+    """Colour of each group of a robot's degrees of freedom, in the order in which it names them; the same for all robots."""
     groups = list(dict.fromkeys(dof.group for dof in robot.description.dofs))
-    palette = (BLUE, VERMILION, ORANGE, GREEN, PURPLE, SKY, GREY, BLACK)
-    return {group: palette[i % len(palette)] for i, group in enumerate(groups)}
+    others = [group for group in groups if group not in GROUP_COLOURS]
+    spare = (SKY, GREY, BLACK, YELLOW)
+    return {group: GROUP_COLOURS.get(group) or spare[others.index(group) % len(spare)] for group in groups}
 
 
 def dof_styles(robot: Robot) -> dict[str, dict[str, str]]:
