@@ -226,7 +226,9 @@ class Simulation:
 
     def kick_object(self, i: int, velocity: np.ndarray, spin: np.ndarray) -> None:
         """Set the i-th movable object in motion: float64 (3,) each, m/s and rad/s."""
-        pybullet.resetBaseVelocity(self._scenery.movables[i], velocity.tolist(), spin.tolist(), physicsClientId=self._client)
+        body = self._scenery.movables[i]
+        pybullet.changeDynamics(body, -1, activationState=_AWAKE, physicsClientId=self._client)
+        pybullet.resetBaseVelocity(body, velocity.tolist(), spin.tolist(), physicsClientId=self._client)
 
     def surface_below(self, x: float, y: float, z: float) -> float | None:
         """Height of what carries things below a point, metres; None where there is nothing, or another movable object or the robot is in between."""
