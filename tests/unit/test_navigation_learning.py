@@ -14,9 +14,10 @@ from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 
+from sensory_commutativity import checkpoints
 from sensory_commutativity.checkpoints import Checkpoint, CheckpointError, load_state, save_state
 from sensory_commutativity.config import Config, load, merge, validate
-from sensory_commutativity.navigation import checkpoints, training
+from sensory_commutativity.navigation import training
 from sensory_commutativity.navigation.from_config import evaluation_seeds
 from sensory_commutativity.navigation.learner import RoomPPO, ViewFeatures
 from sensory_commutativity.navigation.rooms import Rooms
