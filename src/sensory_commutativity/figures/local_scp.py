@@ -37,15 +37,15 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     world = apartment_world(config, config.masks.robot, settings.scene, "anywhere")
     picture, extent = plan(world.simulation)
     world.simulation.close()
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(15.5, 5.2))
+    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(16, 5.4))
     for axes, title in (
         (left, settings.scene),
         (
             middle,
-            f"local SCP of {config.masks.robot}'s {dof}, {settings.experiments} SC-experiments of {settings.sequence_length} steps\n"
-            "each; squares: mean of headings, dots: each heading; none: no room to stand",
+            f"local SCP of {config.masks.robot}'s {dof}: {settings.experiments} SC-experiments of\n"
+            f"{settings.sequence_length} steps for each heading (dots); squares: their mean;\nnone: no room to stand",
         ),
-        (right, "truth: metres from the swept arm to the nearest\nimmovable thing, below 0 inside it"),
+        (right, "truth: metres from the swept arm to the\nnearest immovable thing, below 0 inside it"),
     ):
         axes.imshow(picture, extent=extent, alpha=1.0 if axes is left else 0.35)
         axes.set_title(title, fontsize=9)

@@ -31,7 +31,7 @@ def examples(read: tuple[dict[str, np.ndarray], dict[str, str]], wanted: list[st
             predicted = arrays["probabilities"][k] > 127
             title = f"{wanted[r]}\ntrue: {OUTCOMES[arrays['outcome'][k]]}{overlap}\npredicted: {OUTCOMES[arrays['predicted'][k]]}"
             show_column(column, arrays["pictures"][k], arrays["masks"][k], predicted, title)
-    legend(grid[-1, 0], loc="upper left", bbox_to_anchor=(-0.05, -0.03), ncols=2)
+    legend(figure)
     return figure
 
 

@@ -12,8 +12,8 @@ def draw(tables: dict, config: Config) -> Figure:
     figure = examples(tables["mask_examples"], ["as-trained"])
     tests = config.masks.tests
     figure.suptitle(
-        f"SC-experiments of {tests.sequence_length} steps as trained (new situations): moved at the 10th, 50th and 90th percentile of overlap, "
-        "then the first tuple of each other outcome",
-        fontsize=9,
+        f"SC-experiments of {tests.sequence_length} steps in the training apartment, new situations:\n"
+        "moved at the 10th, 50th and 90th percentile of overlap, then the first tuple of each other outcome",
+        fontsize=8.5,
     )
     return figure

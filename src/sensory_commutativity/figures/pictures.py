@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from .style import SKY, VERMILION
@@ -39,7 +40,7 @@ def show_column(column: Sequence[Axes], pictures: np.ndarray, truth: np.ndarray,
     column[0].set_title(title, fontsize=8)
 
 
-def legend(axes: Axes, **where) -> None:
-    """What the outlines mean."""
+def legend(figure: Figure) -> None:
+    """What the outlines mean, below everything."""
     lines = [Line2D([], [], color=TRUTH, label="what moved"), Line2D([], [], color=PREDICTION, linestyle="dashed", label="what RAFT predicts")]
-    axes.legend(handles=lines, fontsize=8, **where)
+    figure.legend(handles=lines, fontsize=8, loc="outside lower center", ncols=2)
