@@ -29,10 +29,8 @@ TRIES = 60
 """How often something random is drawn before another situation is tried."""
 RESTING = 600
 """Substeps (2.5 s) in which scattered objects come to rest and fall asleep."""
-NEAR_TRIES = 1000
-"""How often a situation beside an object is drawn; chosen: most draws are refused by arithmetic alone."""
-BEFORE = (0.5, 1.2)
-"""Metres from the robot's middle to the object before which it stands; chosen: as far as arms reach."""
+NEAR_TRIES = 300
+"""How often a situation beside an object is drawn; chosen: about one in ten is free."""
 BESIDE = (0.4, 0.15)
 """Metres from the hand to that object, in the plane and in height; chosen: as far as a hand comes in a second."""
 LYING = 0.2
@@ -144,19 +142,23 @@ class Household:
                 simulation.put_robot(base, joints)
 
     def begin_near_an_object(self) -> bool:
-        """The robot before an object, which it looks at, its hand beside it; False if no such situation is found."""
+        """The robot with its hand beside an object, which it thus looks at; False if no such situation is found."""
         simulation, rng, robot = self.simulation, self.rng, self.simulation.robot
         simulation.place(np.array(PARKED), robot.start_ranges.mean(1))
         hand, spread = arm_links(simulation)[-1], np.minimum(1.0, np.diff(robot.limits)[:, 0] / 6)
         for _ in range(NEAR_TRIES):
-            thing = self.scattered[int(rng.integers(len(self.scattered))), :3]
-            distance, direction = rng.uniform(*BEFORE), rng.uniform(-math.pi, math.pi)
-            base = np.array([thing[0] - distance * math.cos(direction), thing[1] - distance * math.sin(direction), direction + rng.normal(0, 0.25)])
             joints = np.clip(robot.draw_joints(rng) + rng.normal(0, 0.6, len(robot.joints)) * spread, *robot.limits.T)
-            apart = simulation.body.link_poses(base, joints)[hand, :3, 3] - thing
-            if abs(apart[2]) > BESIDE[1] or math.hypot(apart[0], apart[1]) > BESIDE[0]:
+            ahead, left, height = simulation.body.link_poses(np.zeros(3), joints)[hand, :3, 3]
+            things = self.scattered[np.abs(self.scattered[:, 2] - height) < BESIDE[1], :2]
+            if not len(things):
                 continue
-            simulation.put_robot(base, joints)
+            heading, apart, way = rng.uniform(-math.pi, math.pi), BESIDE[0] * math.sqrt(rng.uniform()), rng.uniform(-math.pi, math.pi)
+            x, y = things[int(rng.integers(len(things)))] + apart * np.array([math.cos(way), math.sin(way)])
+            x -= ahead * math.cos(heading) - left * math.sin(heading)
+            y -= ahead * math.sin(heading) + left * math.cos(heading)
+            if not any(area.x[0] < x < area.x[1] and area.y[0] < y < area.y[1] for area in self.scene.areas):
+                continue
+            simulation.put_robot(np.array([x, y, heading]), joints)
             if not simulation.penetrates():
                 return True
         return False
