@@ -120,10 +120,10 @@ def places():
 
 def test_the_map_s_measures(places, config):
     found = map_summary(places, config).set_index(["decided_by", "where"])
-    assert found.loc[("predictor", "all"), "value"] == 1
-    assert found.loc[("predictor", "open"), "value"] > 0.9 and found.loc[("simulator", "kitchen"), "value"] < 0.3
+    assert found.loc[("predictor", "all"), "estimate"] == 1
+    assert found.loc[("predictor", "open"), "estimate"] > 0.9 and found.loc[("simulator", "kitchen"), "estimate"] < 0.3
     assert found.loc[("predictor", "over low things"), "n"] == 5
-    assert (found["ci_low"] <= found["value"]).all() and (found["value"] <= found["ci_high"]).all()
+    assert (found["ci_low"] <= found["estimate"]).all() and (found["estimate"] <= found["ci_high"]).all()
 
 
 def claims(config, places, raft: pd.DataFrame, other: pd.DataFrame, found: pd.DataFrame) -> dict[str, bool]:

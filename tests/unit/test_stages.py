@@ -463,6 +463,15 @@ def test_alternatives_where_all_scps_are_equal_are_written(tiny_config, tmp_path
 # ---- the paper's claims ----------------------------------------------------------------------------------------------------
 
 
+@pytest.fixture(autouse=True)
+def without_robots_and_masks(monkeypatch):
+    """Claims about them have tests of their own, beside those of their tables."""
+    monkeypatch.setattr(paper_comparison, "apartment_claims", lambda tables, config: [])
+    monkeypatch.setattr(paper_comparison, "mask_claims", lambda tables, config: [])
+    others = [name for name in paper_comparison.COMPARED if name.startswith(("flatland", "navigation"))]
+    monkeypatch.setattr(paper_comparison, "COMPARED", others)
+
+
 def as_the_paper_says(config) -> dict[str, pd.DataFrame]:
     """Tables in which every claim holds."""
     n, commuted = 10_000, dict(zip(DOFS, [7000, 7200, 10_000, 10_000, 8000, 9000, 8000, 9000], strict=True))

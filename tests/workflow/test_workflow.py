@@ -148,7 +148,7 @@ def finished_files(data: Path) -> list[Path]:
     return [p for p in data.rglob("*.parquet") if not any(part.startswith(".") for part in p.relative_to(data).parts)]
 
 
-def test_killed_half_way_and_resumed_on_one_core_gives_the_same_tables(finished: Path, tmp_path: Path) -> None:
+def test_begun_on_one_core_killed_half_way_and_resumed_on_two_gives_the_same_tables(finished: Path, tmp_path: Path) -> None:
     folder = copy_workflow(tmp_path / "killed")
     data = folder / "results" / "test" / "data"
     process = subprocess.Popen(
@@ -163,7 +163,7 @@ def test_killed_half_way_and_resumed_on_one_core_gives_the_same_tables(finished:
     kept = {p: p.stat().st_mtime_ns for p in finished_files(data)}
     assert kept and not (folder / "results" / "test" / "tables").exists()
     assert snakemake(folder, "--unlock").returncode == 0
-    run = snakemake(folder, "--cores", "1", "--rerun-incomplete")
+    run = snakemake(folder, "--cores", "2", "--rerun-incomplete")
     assert run.returncode == 0, run.stderr
     again = [p for p, when in kept.items() if p.stat().st_mtime_ns != when]
     assert len(again) <= 1, f"finished work was done again: {again}"

@@ -56,6 +56,6 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     said = []
     for _, row in summary[summary["decided_by"] == "predictor"].iterrows():
         name = "area under the ROC curve" if row["measure"] == "auc" else f"median, {row['where']}"
-        said.append(f"{name}: {row['value']:.2f} [{row['ci_low']:.2f}, {row['ci_high']:.2f}] (n = {int(row['n'])})")
+        said.append(f"{name}: {row['estimate']:.2f} [{row['ci_low']:.2f}, {row['ci_high']:.2f}] (n = {int(row['n'])})")
     figure.suptitle("; ".join(said), fontsize=8.5)
     return figure

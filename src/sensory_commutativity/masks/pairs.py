@@ -174,7 +174,7 @@ class PairFactory:
         if way < 0.4:
             direction, speed = rng.uniform(-math.pi, math.pi), rng.uniform(0.2, 1.6)
             velocity = np.array([speed * math.cos(direction), speed * math.sin(direction), 0.0])
-            self.simulation.kick_object(i, velocity, rng.normal(0, 4.0, 3))
+            self.simulation.put_object(i, pose, velocity, rng.normal(0, 4.0, 3))
             self.simulation.wait(ROLL)
             return True
         if way < 0.6:

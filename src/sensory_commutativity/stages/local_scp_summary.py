@@ -46,7 +46,7 @@ def summarised(table: pd.DataFrame, config: Config) -> pd.DataFrame:
         rows.append(("auc", "all", decided_by, *_with_interval(found, area_under_curve, rng)))
         for name, chosen in regions(table, config).items():
             rows.append(("median", name, decided_by, *_with_interval(found[chosen], lambda scp, _: float(np.median(scp)), rng)))
-    return pd.DataFrame(rows, columns=["measure", "where", "decided_by", "n", "value", "ci_low", "ci_high"])
+    return pd.DataFrame(rows, columns=["measure", "where", "decided_by", "n", "estimate", "ci_low", "ci_high"])
 
 
 def _with_interval(

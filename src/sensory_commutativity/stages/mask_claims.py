@@ -74,16 +74,17 @@ def _map(summary: pd.DataFrame, config: Config) -> list[Claim]:
     rows = summary[summary["decided_by"] == "predictor"].set_index("where")
     curve, free, cramped = rows.loc["all"], rows.loc["open"], rows.loc[config.masks.map.cramped]
     ends = (curve["ci_low"], curve["ci_high"])
-    medians = (
-        f"median {free['value']:.2f} in open space (n = {int(free['n'])}), {cramped['value']:.2f} in the {cramped.name} (n = {int(cramped['n'])})"
+    regions = (("open space", free), (cramped.name, cramped))
+    medians = "; ".join(f"median {row['estimate']:.2f} in {name} (n = {int(row['n'])})" for name, row in regions)
+        f"median {row['estimate']:.2f} in {name} (n = {int(row['n'])})" for name, row in (("open space", free), (cramped.name, cramped))
     )
     return [
         Claim(
-            "the local SCP is low where walls and furniture are in the arm's way", "IV-A", "map", f"area under the ROC curve {curve['value']:.3f}",
-            *ends, bool(curve["value"] >= CURVE),
+            "the local SCP is low where walls and furniture are in the arm's way", "IV-A", "map", f"area under the ROC curve {curve['estimate']:.3f}",
+            *ends, bool(curve["estimate"] >= CURVE),
         ),
         Claim(
             "it is high in open space and low in the kitchen", "IV-A", "0.8 to 1.0; below 0.4", medians, None, None,
-            bool(free["value"] >= OPEN and cramped["value"] < CRAMPED),
+            bool(free["estimate"] >= OPEN and cramped["estimate"] < CRAMPED),
         ),
     ]  # fmt: skip

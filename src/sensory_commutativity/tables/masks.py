@@ -112,7 +112,7 @@ MASKS: Tables = {
         Column("where", TEXT, "", "all places; open: nothing within apartment.reach of the swept arm; the cramped room; over low things"),
         Column("decided_by", TEXT, "", "predictor: the masks; simulator: the true outcomes"),
         Column("n", INT, "1", "places and headings"),
-        Column("value", FLOAT, "1", "of the measure; empty where it is not defined"),
+        Column("estimate", FLOAT, "1", "of the measure; empty where it is not defined"),
         *INTERVAL,
     ),
 }

@@ -6,7 +6,7 @@ where to start.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
@@ -217,18 +217,12 @@ class Simulation:
         poses = [pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client) for body in self._scenery.movables]
         return np.array([(*place, *turn) for place, turn in poses]).reshape(-1, 7)
 
-    def put_object(self, i: int, pose: np.ndarray) -> None:
-        """Put the i-th movable object somewhere, at rest: float64 (7,)."""
+    def put_object(self, i: int, pose: np.ndarray, velocity: Sequence[float] = (0, 0, 0), spin: Sequence[float] = (0, 0, 0)) -> None:
+        """Put the i-th movable object somewhere, float64 (7,), at rest or in motion, m/s and rad/s."""
         body = self._scenery.movables[i]
         pybullet.resetBasePositionAndOrientation(body, pose[:3].tolist(), pose[3:].tolist(), physicsClientId=self._client)
-        pybullet.resetBaseVelocity(body, (0, 0, 0), (0, 0, 0), physicsClientId=self._client)
+        pybullet.resetBaseVelocity(body, list(velocity), list(spin), physicsClientId=self._client)
         pybullet.changeDynamics(body, -1, activationState=_AWAKE, physicsClientId=self._client)
-
-    def kick_object(self, i: int, velocity: np.ndarray, spin: np.ndarray) -> None:
-        """Set the i-th movable object in motion: float64 (3,) each, m/s and rad/s."""
-        body = self._scenery.movables[i]
-        pybullet.changeDynamics(body, -1, activationState=_AWAKE, physicsClientId=self._client)
-        pybullet.resetBaseVelocity(body, velocity.tolist(), spin.tolist(), physicsClientId=self._client)
 
     def surface_below(self, x: float, y: float, z: float) -> float | None:
         """Height of what carries things below a point, metres; None where there is nothing, or another movable object or the robot is in between."""
@@ -311,8 +305,7 @@ class Simulation:
         self._origins = origins
 
     def _object_positions(self) -> np.ndarray:
-        poses = [pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client) for body in self._scenery.movables]
-        return np.array([position for position, _ in poses]).reshape(-1, 3)
+        return self.object_poses()[:, :3]
 
     def _link_poses(self) -> np.ndarray:
         return self.body.link_poses(self.base(), self.joints())
