@@ -76,8 +76,6 @@ def _map(summary: pd.DataFrame, config: Config) -> list[Claim]:
     ends = (curve["ci_low"], curve["ci_high"])
     regions = (("open space", free), (cramped.name, cramped))
     medians = "; ".join(f"median {row['estimate']:.2f} in {name} (n = {int(row['n'])})" for name, row in regions)
-        f"median {row['estimate']:.2f} in {name} (n = {int(row['n'])})" for name, row in (("open space", free), (cramped.name, cramped))
-    )
     return [
         Claim(
             "the local SCP is low where walls and furniture are in the arm's way", "IV-A", "map", f"area under the ROC curve {curve['estimate']:.3f}",
