@@ -102,7 +102,7 @@ def test_a_second_run_does_nothing(finished: Path) -> None:
         ("apartment: {image_size: 48}", {"apartment_experiments_part"}, {"flatland_experiments_part", "mask_pairs"}),
         ("masks: {tests: {tuples: 3}}", {"mask_model_scores", "mask_summary"}, {"mask_tuples", "mask_training", "apartment_experiments_part"}),
         ("masks: {raft: {learning_rate: 0.002}}", {"mask_training", "mask_model_scores"}, {"mask_pairs", "mask_tuples"}),
-        ("masks: {map: {spacing: 1.5}}", {"local_scp_part", "local_scp_summary"}, {"mask_training", "mask_tuples"}),
+        ("masks: {map: {spacing: 1.5}}", {"local_scp_experiments", "local_scp_summary"}, {"mask_training", "mask_tuples"}),
         ("navigation: {alpha: 0.01}", {"navigation_comparisons", "navigation_calibration"}, {"navigation_run", "navigation_scores"}),
         ("flatland: {baselines: {epochs: 3}}", {"flatland_baselines_part"}, {"flatland_experiments_part", "flatland_scp"}),
         ("navigation: {learner: {epochs: 3}}", {"navigation_run", "navigation_curves"}, {"flatland_scp", "navigation_action_spaces"}),

@@ -230,37 +230,39 @@ rule mask_examples:
         " --predictor {input.predictor:q} --mask-scores {input.mask_scores:q} --out {output:q} 2> {log:q}"
 
 
-rule local_scp_part:
-    input:
-        predictor=MODELS / "masks" / "raft.predictor",
+rule local_scp_experiments:
     output:
-        DATA / "local_scp" / "places.{part}-of-{parts}.parquet",
+        DATA / "local_scp_experiments" / "places.{part}-of-{parts}.h5",
     log:
-        LOGS / "local_scp" / "places.{part}-of-{parts}.log",
+        LOGS / "local_scp_experiments" / "places.{part}-of-{parts}.log",
     benchmark:
-        BENCHMARKS / "local_scp" / "places.{part}-of-{parts}.tsv"
+        BENCHMARKS / "local_scp_experiments" / "places.{part}-of-{parts}.tsv"
     resources:
         mem_mb=1500,
     params:
         settings=digest(settings_of_map(CONFIG)),
     message:
-        "the local SCP, part {wildcards.part} of {wildcards.parts}"
+        "SC-experiments for the map, part {wildcards.part} of {wildcards.parts}"
     shell:
-        "sensory-commutativity local-scp-part --config {RESOLVED:q} --part {wildcards.part}/{wildcards.parts}"
-        " --predictor {input.predictor:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity local-scp-experiments --config {RESOLVED:q} --part {wildcards.part}/{wildcards.parts} --out {output:q} 2> {log:q}"
 
 
 rule local_scp:
     input:
-        parts("local_scp", "places", map_jobs(CONFIG), "parquet"),
+        experiments=parts("local_scp_experiments", "places", map_jobs(CONFIG), "h5"),
+        predictor=MODELS / "masks" / "raft.predictor",
     output:
         TABLES / "local_scp.parquet",
     log:
         LOGS / "local_scp.log",
+    benchmark:
+        BENCHMARKS / "local_scp.tsv"
+    resources:
+        mem_mb=2500,
     message:
-        "gathering the map"
+        "the local SCP at every place"
     shell:
-        "sensory-commutativity local-scp --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity local-scp --config {RESOLVED:q} --predictor {input.predictor:q} --out {output:q} {input.experiments:q} 2> {log:q}"
 
 
 rule local_scp_summary:

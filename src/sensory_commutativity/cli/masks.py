@@ -186,26 +186,26 @@ def mask_examples(
 @click.command()
 @with_config
 @_part
-@_predictor
 @with_out
-def local_scp_part(config: Config, part: tuple[int, int], predictor: Path, out: Path) -> None:
-    """Measure the local SCP at a job's places."""
+def local_scp_experiments(config: Config, part: tuple[int, int], out: Path) -> None:
+    """Play the SC-experiments at a job's places of the map."""
     from ..masks.from_config import map_jobs
-    from ..stages.local_scp import write_local_scp_part
+    from ..stages.local_scp import write_local_scp_experiments
 
     check_parts(part, map_jobs(config))
-    write_local_scp_part(config, part[0] - 1, predictor, out)
+    write_local_scp_experiments(config, part[0] - 1, out)
 
 
 @click.command()
 @with_config
+@_predictor
 @with_parts
 @with_out
-def local_scp(config: Config, parts: tuple[Path, ...], out: Path) -> None:
-    """Gather the places in PARTS."""
-    from ..stages.local_scp import gather_local_scp
+def local_scp(config: Config, predictor: Path, parts: tuple[Path, ...], out: Path) -> None:
+    """Measure the local SCP at all places, from the experiments in PARTS."""
+    from ..stages.local_scp import write_local_scp
 
-    gather_local_scp(parts, out, config)
+    write_local_scp(config, parts, predictor, out)
 
 
 @click.command()
@@ -238,5 +238,5 @@ def predict(first: Path, second: Path, predictor: Path | None, out: Path | None)
 
 COMMANDS = (
     mask_dof, mask_pairs, mask_training, mask_difference, mask_curves, mask_tuples, mask_model_scores, mask_scores, mask_summary, mask_comparisons,
-    mask_discoveries, mask_examples, local_scp_part, local_scp, local_scp_summary, masks,
+    mask_discoveries, mask_examples, local_scp_experiments, local_scp, local_scp_summary, masks,
 )  # fmt: skip

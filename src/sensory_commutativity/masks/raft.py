@@ -3,8 +3,8 @@
 Flow has two channels, and so have two masks. The state that is refined is therefore the two masks' logits at an eighth of the resolution, from 0.
 What differs from flow: masks live each in its own picture's frame, so correlations are looked up at the pixel itself, which does not move, once.
 The second mask depends on the second picture as the first does on the first, so correlations and context are of both. And masks have sharp edges,
-flow mostly not: after the last refinement one more, at half the resolution, looks at both pictures and their shallow features. One encoder serves
-for features and context.
+flow mostly not: after the last refinement one more, at a quarter and then at half of the resolution, looks at both pictures, their features there
+and how much they differ. One encoder serves for features and context.
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ from torchvision.models.optical_flow.raft import (
 )
 
 STRIDE = 8
+DIFFERENCES = 2
+"""Channels of :func:`least_differences`."""
 
 
 class MaskRaft(nn.Module):
@@ -40,15 +42,25 @@ class MaskRaft(nn.Module):
         Of the correlation pyramid.
     updates : int
         Refinements at an eighth of the resolution.
-    sharp : int
-        Channels of the last one, at half of it.
+    fine, sharp : int
+        Channels of the last one, at a quarter and at half of it.
     """
 
     def __init__(
-        self, widths=(32, 32, 48, 64, 96), hidden: int = 64, context: int = 64, levels: int = 3, radius: int = 3, updates: int = 4, sharp: int = 40
+        self,
+        widths=(32, 32, 48, 64, 96),
+        hidden: int = 64,
+        context: int = 64,
+        levels: int = 3,
+        radius: int = 3,
+        updates: int = 4,
+        fine: int = 64,
+        sharp: int = 32,
     ):
         super().__init__()
-        self.architecture = dict(widths=list(widths), hidden=hidden, context=context, levels=levels, radius=radius, updates=updates, sharp=sharp)
+        self.architecture = dict(
+            widths=list(widths), hidden=hidden, context=context, levels=levels, radius=radius, updates=updates, fine=fine, sharp=sharp
+        )
         self.hidden, self.updates = hidden, updates
         self.encoder = FeatureEncoder(block=ResidualBlock, layers=tuple(widths), strides=(2, 1, 2, 2), norm_layer=nn.InstanceNorm2d)
         self.begin = nn.Conv2d(widths[4], (hidden + context) // 2, 1)
@@ -60,18 +72,20 @@ class MaskRaft(nn.Module):
         )
         self.update = UpdateBlock(motion_encoder=motion, recurrent_block=recurrent, flow_head=FlowHead(in_channels=hidden, hidden_size=96))
         self.upsampling = MaskPredictor(in_channels=hidden, hidden_size=96)
-        self.told = nn.Conv2d(hidden, 16, 1)
-        seen = 3 * widths[1] + 3 * 12 + 8 + 16  # shallow features, pictures, logits, what the state tells
-        self.sharpening = nn.Sequential(
-            nn.Conv2d(seen, sharp, 3, 1, 1), nn.ReLU(), nn.Conv2d(sharp, sharp, 3, 1, 1), nn.ReLU(), nn.Conv2d(sharp, 8, 3, 1, 1)
-        )
+        seen = 3 * widths[2] + 2 * 16 + 2 * DIFFERENCES + 32  # features, logits, differences, what the state tells
+        self.told = nn.Conv2d(hidden, 32, 1)
+        self.refining = nn.Sequential(_mixing(seen, fine), _convolution(fine), _convolution(fine), _convolution(fine))
+        seen = 3 * widths[1] + 3 * 12 + 2 * 4 + DIFFERENCES + 16  # features, pictures, logits, differences, what the quarter tells
+        self.told_on = nn.Conv2d(fine, 16, 1)
+        self.sharpening = nn.Sequential(_mixing(seen, sharp), _convolution(sharp), _convolution(sharp), nn.Conv2d(sharp, 8, 3, 1, 1))
 
     def forward(self, first: Tensor, second: Tensor) -> list[Tensor]:
         """Pictures float (n, 3, h, w) in [-1, 1], sides divisible by 8 and at least 64: logits after each refinement, float (n, 2, h, w)."""
         n = len(first)
         pictures = torch.cat([first, second])
         shallow = self.encoder.layer1(self.encoder.convnormrelu(pictures))
-        deep = self.encoder.conv(self.encoder.layer3(self.encoder.layer2(shallow)))
+        middle = self.encoder.layer2(shallow)
+        deep = self.encoder.conv(self.encoder.layer3(middle))
         correlations = self._correlations(*deep.float().chunk(2))
         half, both = self.hidden // 2, self.begin(deep).chunk(2)
         state = torch.tanh(torch.cat([part[:, :half] for part in both], 1))
@@ -84,7 +98,7 @@ class MaskRaft(nn.Module):
             state, change = self.update(state, context, correlations.to(state.dtype), logits.to(state.dtype))
             logits = logits + change.float()
             found.append(upsample_flow(logits / STRIDE, self.upsampling(state).float()))  # it multiplies by the stride, as flow wants it
-        return [*found, found[-1] + self._sharpened(first, second, shallow, state, found[-1].detach())]
+        return [*found, found[-1] + self._sharpened(first, second, shallow, middle, state, found[-1].detach())]
 
     def _correlations(self, one: Tensor, other: Tensor) -> Tensor:
         """Of every pixel's features with those around it in the other picture, both ways, in full precision: float (n, c, h, w)."""
@@ -98,10 +112,47 @@ class MaskRaft(nn.Module):
                 found.append(self.correlation.index_pyramid(here))
         return torch.cat(found, 1)
 
-    def _sharpened(self, first: Tensor, second: Tensor, shallow: Tensor, state: Tensor, logits: Tensor) -> Tensor:
+    def _sharpened(self, first: Tensor, second: Tensor, shallow: Tensor, middle: Tensor, state: Tensor, logits: Tensor) -> Tensor:
         """What the last refinement adds to the logits: float (n, 2, h, w)."""
-        one, other = shallow.chunk(2)
-        a, b = (functional.pixel_unshuffle(picture, 2).to(shallow.dtype) for picture in (first, second))
-        told = functional.interpolate(self.told(state), scale_factor=STRIDE // 2, mode="bilinear", align_corners=False)
-        seen = [one, other, (one - other).abs(), a, b, (a - b).abs(), functional.pixel_unshuffle(logits, 2).to(shallow.dtype), told]
+        kind = state.dtype
+        differences = least_differences(first, second).to(kind)
+        coarser = [functional.max_pool2d(differences, 2), functional.avg_pool2d(differences, 2)]
+        told = _doubled(self.told(state))
+        quarter = self.refining(torch.cat([*_compared(middle), functional.pixel_unshuffle(logits, 4).to(kind), *coarser, told], 1))
+        pictures = functional.pixel_unshuffle(torch.cat([first, second]), 2).to(kind)
+        told = _doubled(self.told_on(quarter))
+        seen = [*_compared(shallow), *_compared(pictures), functional.pixel_unshuffle(logits, 2).to(kind), differences, told]
         return functional.pixel_shuffle(self.sharpening(torch.cat(seen, 1)).float(), 2)
+
+
+def least_differences(first: Tensor, second: Tensor) -> Tensor:
+    """How much each pixel of either picture, at half the resolution, differs from whatever is most alike within a pixel of it in the other.
+
+    Pictures float (n, 3, h, w): float (n, 2, h / 2, w / 2). What a camera's jitter displaces differs little, what moved differs.
+    """
+    one, other = functional.avg_pool2d(first, 2), functional.avg_pool2d(second, 2)
+    height, width = one.shape[2:]
+    found = []
+    for a, b in ((one, other), (other, one)):
+        padded = functional.pad(b, (1, 1, 1, 1), mode="replicate")
+        around = [padded[:, :, y : y + height, x : x + width] for y in range(3) for x in range(3)]
+        found.append(torch.stack([(a - shifted).abs().sum(1) for shifted in around]).amin(0))
+    return torch.stack(found, 1)
+
+
+def _compared(both: Tensor) -> list[Tensor]:
+    """What is stacked for both pictures, float (2 n, c, h, w), side by side with how it differs: three of float (n, c, h, w)."""
+    one, other = both.chunk(2)
+    return [one, other, (one - other).abs()]
+
+
+def _doubled(x: Tensor) -> Tensor:
+    return functional.interpolate(x, scale_factor=2, mode="bilinear", align_corners=False)
+
+
+def _mixing(inputs: int, outputs: int) -> nn.Sequential:
+    return nn.Sequential(nn.Conv2d(inputs, outputs, 1), nn.ReLU())
+
+
+def _convolution(channels: int) -> nn.Sequential:
+    return nn.Sequential(nn.Conv2d(channels, channels, 3, 1, 1), nn.ReLU())

@@ -1,8 +1,9 @@
 """Training a two-mask model by RAFT's recipe, on a CPU or a GPU, so that a kill loses a minute at most.
 
 AdamW, one cycle of the learning rate, gradients clipped, mixed precision where the processor has it. Pairs are mirrored, exchanged and recoloured
-alike in both pictures, and scaled: the first half of the steps, and some later ones, take pictures at half the resolution, which shows more pairs
-in the same time and things at another size; some later ones are cut out and enlarged. Pairs in which something moved are shown twice as often.
+alike in both pictures, and, as in RAFT's own recipe, cut out and scaled: a step takes whole pictures, or whole ones at half the resolution, or a
+quarter of each picture, where something moved if something did, which shows more of it in a quarter of the time. Pairs in which something moved are
+shown twice as often.
 Everything random follows from the seed and the step, so a run that was resumed ends as one that was not.
 """
 
@@ -27,12 +28,14 @@ CLIP = 1.0
 """Largest norm of the gradient (RAFT)."""
 WARM = 0.05
 """Of the steps, in which the learning rate rises (RAFT)."""
-COARSE = 0.5
-"""Of the steps, the first ones, at half the resolution; chosen: a trial found an intersection over union of .52 with it and .41 without, in
-equal time."""
-SOMETIMES, ZOOMED = 0.15, 0.25
-"""Of the others, at random: at half the resolution, and cut out and enlarged up to two times; chosen: so that neither small things are forgotten nor
-blurred ones, as pictures with another field of view are, unknown."""
+EARLY = 0.6
+"""Of the steps, the first ones, of which none takes whole pictures; chosen: a step with a quarter of the pixels costs a quarter."""
+WHOLE, CUT = 0.5, 0.65
+"""Of the later steps, those with whole pictures; of all others, those that are cut out, while the rest is at half the resolution. Chosen: so that
+neither the outcome, which is seen in the whole, nor the masks, which are small, are neglected."""
+AIMED, ENLARGED = 0.75, 0.3
+"""Of what is cut out, how much is cut out around a pixel that moved, if any did, and how much is smaller still and enlarged up to twice; chosen:
+pictures with another field of view are enlarged too."""
 MOVED = OUTCOMES.index("moved")
 
 
@@ -117,20 +120,36 @@ class Trainer:
         rng = generator(self.seed, "step", self.name, self.step)
         chosen = self._chosen()
         pictures, masks = augmented(self.pairs.pictures[chosen], self.pairs.masks[chosen], rng)
-        x, y = as_tensor(pictures, self.device), torch.from_numpy(masks).to(self.device).float()
-        n, _, _, height, width = x.shape
-        way = rng.uniform()
-        if self.step < COARSE * self.recipe.steps or way < SOMETIMES:
-            x = functional.avg_pool2d(x.flatten(0, 1), 2).reshape(n, 2, 3, height // 2, width // 2)
-            y = functional.avg_pool2d(y, 2)
-        elif way < SOMETIMES + ZOOMED:
-            side = int(rng.integers(min(height, width) // 2, min(height, width)))
-            top, left = int(rng.integers(height - side + 1)), int(rng.integers(width - side + 1))
-            x, y = x[..., top : top + side, left : left + side], y[..., top : top + side, left : left + side]
-            x = functional.interpolate(x.flatten(0, 1), (height, width), mode="bilinear", align_corners=False).unflatten(0, (n, 2))
-            y = functional.interpolate(y, (height, width), mode="bilinear", align_corners=False)
+        whole = self.step >= EARLY * self.recipe.steps and rng.uniform() < WHOLE
+        if whole or rng.uniform() >= CUT:
+            x, y = as_tensor(pictures, self.device), torch.from_numpy(masks).to(self.device).float()
+            if not whole:
+                x, y = functional.avg_pool2d(x.flatten(0, 1), 2).unflatten(0, (-1, 2)), functional.avg_pool2d(y, 2)
+        else:
+            x, y = self._cut_out(pictures, masks, rng)
         moved = torch.from_numpy(self.pairs.outcome[chosen] == MOVED).to(self.device)
-        return x, y, moved & (y > 0.5).any(-1).any(-1).any(-1)
+        return x, y, moved & (y > 0.5).flatten(1).any(1)
+
+    def _cut_out(self, pictures: np.ndarray, masks: np.ndarray, rng: np.random.Generator) -> tuple[Tensor, Tensor]:
+        """Of each pair the same part of both pictures, of half the height and width: float (n, 2, 3, h / 2, w / 2) and (n, 2, h / 2, w / 2)."""
+        height, width = masks.shape[2:]
+        sides = height // 2, width // 2
+        found = []
+        for picture, mask in zip(pictures, masks, strict=True):
+            scale = rng.uniform(0.5, 1.0) if rng.uniform() < ENLARGED else 1.0
+            rows, columns = (round(side * scale) for side in sides)
+            middle = rng.uniform(size=2) * (height, width)
+            somewhere = np.argwhere(mask.any(0))
+            if len(somewhere) and rng.uniform() < AIMED:
+                middle = somewhere[rng.integers(len(somewhere))] + rng.uniform(-0.3, 0.3, 2) * (rows, columns)
+            top, left = (int(np.clip(m - n / 2, 0, most - n)) for m, n, most in zip(middle, (rows, columns), (height, width), strict=True))
+            part = (slice(None), slice(top, top + rows), slice(left, left + columns))
+            x, y = as_tensor(picture[part][None], self.device)[0], torch.from_numpy(mask[part]).to(self.device).float()
+            if scale < 1:
+                x = functional.interpolate(x, sides, mode="bilinear", align_corners=False)
+                y = functional.interpolate(y[None], sides, mode="bilinear", align_corners=False)[0]
+            found.append((x, y))
+        return torch.stack([x for x, _ in found]), torch.stack([y for _, y in found])
 
     def _chosen(self) -> np.ndarray:
         """The pairs of this step: epoch after epoch all of them, those in which something moved twice, each epoch in an order of its own."""

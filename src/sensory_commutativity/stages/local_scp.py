@@ -1,7 +1,11 @@
-"""The local SCP at every place of an apartment, decided by the mask predictor, and what truly is in reach there (paper, Fig. "SCP map")."""
+"""The local SCP at every place of an apartment, decided by the mask predictor, and what truly is in reach there (paper, Fig. "SCP map").
+
+Experiments are played, and their final pictures kept, before any predictor is trained; another predictor looks at the same pictures.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,51 +13,82 @@ import numpy as np
 import pandas as pd
 
 from ..config import Config
-from ..mapping.local import experiments_at
-from ..mapping.sweep import swept_reach, usual_range
+from ..mapping.local import Seen, experiments_at
+from ..mapping.places import Place
+from ..mapping.sweep import Reach, swept_reach, usual_range
 from ..masks.decision import outcomes
 from ..masks.from_config import cameras_of_masks, first_of_arm, places_of_map, robot_of_masks
 from ..masks.outcome import OUTCOMES
 from ..masks.predictor import load_predictor
+from ..masks.store import read_arrays, write_arrays
 from ..progress import progress
+from ..provenance import provenance
 from ..seeding import generator
 from ..statistics.proportions import wilson_interval
-from ..tables import TABLES, read_table, write_table
+from ..tables import TABLES, write_table
 from ..worlds.apartment.from_config import scene_of
 from ..worlds.apartment.world import ApartmentWorld
 from .mask_comparisons import BETTER
 
 TABLE = "local_scp"
+CONTENT = "experiments of a map"
 
 
-def write_local_scp_part(config: Config, part: int, predictor: Path, out: Path) -> None:
-    """A job's places; those where the robot cannot stand have no row."""
+def write_local_scp_experiments(config: Config, part: int, out: Path) -> None:
+    """Play the experiments at a job's places; those where the robot cannot stand are left out."""
     settings = config.masks.map
-    loaded, robot = load_predictor(predictor, BETTER), robot_of_masks(config)
+    robot = robot_of_masks(config)
     dof = first_of_arm(robot)
     world = ApartmentWorld(scene_of(config.apartment, settings.scene), robot, cameras_of_masks(config, [config.masks.data.field_of_view]))
     joint = [one.name for one in robot.joints].index(robot.description.dofs[dof].joints[0])
     starts = tuple(robot.start_ranges[joint])
     between = usual_range(settings.sequence_length, world.dofs[dof].speed, starts, generator(config.seed, "masks", "map", "range"))
-    mine = places_of_map(config)[part * settings.places_per_job : (part + 1) * settings.places_per_job]
-    rows = []
-    for place in progress(mine, out.stem, "place"):
+    found: list[tuple[Place, Seen, Reach]] = []
+    for place in progress(places_of_map(config)[_of_job(config, part)], out.stem, "place"):
         rng = generator(config.seed, "masks", "map", settings.scene, place.room, f"{place.x:.4f} {place.y:.4f} {place.heading:.4f}")
         seen = experiments_at(place, world, dof, settings.sequence_length, settings.experiments, rng)
-        if seen is None:
-            continue
-        called = outcomes(loaded.probabilities(seen.pictures), loaded.rule) == OUTCOMES.index("different")
-        n, same = len(called), int((~called).sum())
-        reach = swept_reach(world.simulation, np.array(place[1:]), joint, between, settings.low)
-        within = reach.clearance <= 0
-        rows.append(
-            (settings.scene, world.dofs[dof].name, *place, n, n - same, same / n,
-             *(float(end) for end in wilson_interval(same, n)), float((~seen.different).mean()),
-             reach.clearance, within, reach.nearest, reach.over_low and not within)
-        )  # fmt: skip
+        if seen is not None:
+            found.append((place, seen, swept_reach(world.simulation, np.array(place[1:]), joint, between, settings.low)))
+    size, n = config.masks.image_size, settings.experiments
+    arrays = dict(
+        pictures=np.array([seen.pictures for _, seen, _ in found], np.uint8).reshape(-1, 2, size, size, 3),
+        different=np.array([seen.different for _, seen, _ in found], bool).reshape(-1, n),
+        pose=np.array([place[1:] for place, _, _ in found], np.float64).reshape(-1, 3),
+        clearance=np.array([reach.clearance for *_, reach in found], np.float64),
+        over_low=np.array([reach.over_low for *_, reach in found], bool),
+    )
+    about = dict(dof=world.dofs[dof].name, rooms=json.dumps([place.room for place, *_ in found]))
+    write_arrays(out, CONTENT, arrays, {**about, "nearest": json.dumps([reach.nearest for *_, reach in found]), **provenance(config)})
+
+
+def write_local_scp(config: Config, experiments: Sequence[Path], predictor: Path, out: Path) -> None:
+    """Let a predictor look at the pictures of all places, in the order given."""
+    loaded = load_predictor(predictor, BETTER)
+    rows: list[tuple] = []
+    for path in progress(experiments, TABLE, "file"):
+        rows += _rows(path, loaded, config)
     write_table(TABLE, pd.DataFrame(rows, columns=[column.name for column in TABLES[TABLE]]), out, config)
 
 
-def gather_local_scp(parts: Sequence[Path], out: Path, config: Config) -> None:
-    """Put the places together, in the order given."""
-    write_table(TABLE, pd.concat([read_table(TABLE, part) for part in parts], ignore_index=True), out, config)
+def _of_job(config: Config, part: int) -> slice:
+    n = config.masks.map.places_per_job
+    return slice(part * n, (part + 1) * n)
+
+
+def _rows(path: Path, predictor, config: Config) -> list[tuple]:
+    """A file's rows of the table."""
+    arrays, about = read_arrays(path, CONTENT)
+    different = OUTCOMES.index("different")
+    rooms, nearest = json.loads(about["rooms"]), json.loads(about["nearest"])
+    n = config.masks.map.experiments
+    called = (outcomes(predictor.probabilities(arrays["pictures"]), predictor.rule) == different).reshape(-1, n)
+    rows = []
+    for k, (room, pose) in enumerate(zip(rooms, arrays["pose"], strict=True)):
+        same, clearance = int((~called[k]).sum()), float(arrays["clearance"][k])
+        within = clearance <= 0
+        rows.append(
+            (config.masks.map.scene, about["dof"], room, *(float(value) for value in pose), n, n - same, same / n,
+             *(float(end) for end in wilson_interval(same, n)), float((~arrays["different"][k]).mean()),
+             clearance, within, nearest[k], bool(arrays["over_low"][k]) and not within)
+        )  # fmt: skip
+    return rows
