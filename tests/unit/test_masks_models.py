@@ -18,7 +18,7 @@ from sensory_commutativity.masks.pairs import Pair
 from sensory_commutativity.masks.predictor import MODELS, PREDICTORS, MaskPredictor, PredictorError, checked, load_predictor
 from sensory_commutativity.masks.raft import MaskRaft
 from sensory_commutativity.masks.store import Pairs, StoreError, pack, read_arrays, read_pairs, unpack, write_arrays, write_pairs
-from sensory_commutativity.masks.training import COARSE, Recipe, Trainer, augmented, learning_rate
+from sensory_commutativity.masks.training import AIMED, EARLY, Recipe, Trainer, augmented, learning_rate
 
 IDENTICAL, DIFFERENT, MOVED = range(3)
 SMALL = {"raft": dict(widths=(8, 8, 12, 16, 24), hidden=16, context=16, updates=2, sharp=8), "flownet": dict(scale=0.05)}
@@ -230,12 +230,26 @@ def test_augmentation_changes_both_pictures_alike_and_takes_the_masks_along():
     assert all(bright[i][masks[moved][i]].mean() > bright[i][~masks[moved][i]].mean() + 100 for i in range(moved.sum()))
 
 
-def test_the_first_half_of_the_steps_is_coarse():
+def test_early_steps_take_a_quarter_of_the_pixels_and_later_ones_whole_pictures_too():
     trainer = Trainer("flownet", Recipe(visits=400, batch_size=4), some_pairs(), seed=3, **SMALL["flownet"])
     sizes = []
     for trainer.step in range(100):
         sizes.append(trainer._batch()[0].shape[-1])
-    assert set(sizes[: int(100 * COARSE)]) == {64} and 0.65 < np.mean(np.array(sizes[50:]) == 128) < 1
+    early = int(100 * EARLY)
+    assert set(sizes[:early]) == {64} and 0.25 < np.mean(np.array(sizes[early:]) == 128) < 0.75
+
+
+def test_parts_are_cut_out_where_something_moved():
+    pairs = some_pairs()
+    masks = np.zeros_like(pairs.masks)
+    masks[:, :, 100:110, 20:30] = True
+    pictures = np.where(masks[..., None], np.uint8(255), np.uint8(0)).repeat(3, -1)
+    trainer = Trainer("flownet", Recipe(visits=400, batch_size=4), pairs, seed=3, **SMALL["flownet"])
+    x, y = trainer._cut_out(pictures, masks, np.random.default_rng(1))
+    assert x.shape == (len(masks), 2, 3, 64, 64) and y.shape == (len(masks), 2, 64, 64)
+    shown = (y > 0.5).flatten(1).any(1).float().mean()
+    assert shown > AIMED - 0.1
+    assert torch.allclose((x[:, :, 0] + 1) / 2, y, atol=1e-5)  # both are cut out and enlarged alike
 
 
 # ---- predictors --------------------------------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -50,6 +51,7 @@ def write_training(config: Config, model: ModelName, training: Sequence[Path], v
             bar.update()
             if trainer.step in stops:
                 rows.append(_row(trainer, rows, held_out))
+                bar.write(_told(model, rows[-1], trainer.recipe.steps), file=sys.stderr)
             if trainer.step in stops or time.monotonic() - last > SAVED_EVERY:
                 checkpoint.save({**trainer.state(), "rows": rows})
                 last = time.monotonic()
@@ -76,6 +78,11 @@ def gather_curves(parts: Sequence[Path], out: Path, config: Config) -> None:
     if frame.duplicated(["model", "step"]).any():
         raise TableError(f"{out}: a model's curve is there twice; give each part once")
     write_table("mask_curves", frame, out, config)
+
+
+def _told(model: ModelName, row: dict[str, float], steps: int) -> str:
+    """A line for the log."""
+    return f"{model}: step {row['step']:,} of {steps:,}, loss {row['loss']:.3f}; validation: accuracy {row['accuracy']:.3f}, mean IoU {row['iou']:.3f}"
 
 
 def _row(trainer: Trainer, rows: list[dict[str, float]], held_out: Pairs) -> dict[str, float]:
