@@ -163,6 +163,11 @@ class Household:
                 return True
         return False
 
+    def hand(self) -> np.ndarray:
+        """Where the robot's hand is: float64 (3,), metres."""
+        simulation = self.simulation
+        return simulation.body.link_poses(simulation.base(), simulation.joints())[arm_links(simulation)[-1], :3, 3]
+
     def look(self, eye: np.ndarray | None = None, light: np.ndarray = LIGHT) -> View:
         """What the robot sees, or would see from another place of its camera, float64 (4, 4), in another light."""
         eye = self.simulation.eye_pose() if eye is None else eye

@@ -23,6 +23,10 @@ FALL, ROLL = 30, 120
 """Substeps (an eighth and half a second) in which an object that was put down, or pushed, comes to rest."""
 NEAR = 0.6
 """Of the pairs, those with the robot's hand beside an object, as in most SC-experiments on objects; the others begin anywhere."""
+BY_HAND = 0.7
+"""Of the pairs in which something moves, those in which it is what is nearest the hand: most that SC-experiments move was touched."""
+STILL = 0.5
+"""Of the pairs of a robot that came back, those in which it came back exactly, as most do in SC-experiments: another base moves no arm."""
 ATTEMPTS = 3_000
 """Situations that are tried for one pair; chosen: a hundred times what the apartments here need."""
 
@@ -93,7 +97,7 @@ class PairFactory:
             bends = rng.normal(0, math.exp(rng.uniform(math.log(0.002), math.log(0.04))), len(joints))
             bent = joints + bends * (rng.uniform(size=len(joints)) < 0.3)
             simulation.put_robot(base, np.clip(bent, *simulation.robot.limits.T))
-        return 0.0 if rng.uniform() < 0.3 else JITTER
+        return 0.0 if rng.uniform() < STILL else JITTER
 
     # ---- outcomes ----------------------------------------------------------------------------------------------------------
 
@@ -156,6 +160,8 @@ class PairFactory:
         """Displace some of what is seen; whatever did not move as far as counts is put back to the last bit. False if nothing could be moved."""
         simulation, rng = self.simulation, self.rng
         seen = self._seen(first)
+        if rng.uniform() < BY_HAND:
+            seen = seen[np.argsort(np.linalg.norm(before[seen, :3] - self.household.hand(), axis=1), kind="stable")]
         chosen = seen[: int(rng.geometric(0.6))]
         if not len(chosen):
             return False

@@ -2,22 +2,23 @@
 
 Flow has two channels, and so have two masks. The state that is refined is therefore the two masks' logits at an eighth of the resolution, from 0.
 What differs from flow: masks live each in its own picture's frame, so correlations are looked up at the pixel itself, which does not move, once.
-The second mask depends on the second picture as the first does on the first, so correlations and context are of both. And masks have sharp edges,
-flow mostly not: after the last refinement one more, at a quarter and then at half of the resolution, looks at both pictures, their features there
-and how much they differ. One encoder serves for features and context.
+The second mask depends on the second picture as the first does on the first, so correlations and context are of both, and of how they differ. And
+masks have sharp edges, flow mostly not: after the last refinement one more, at a quarter and then at half of the resolution, looks at both pictures,
+their features there and how much they differ. One encoder serves for features and context; as in the small RAFT, refinements are brought to full
+size bilinearly.
 """
 
 from __future__ import annotations
 
+from functools import partial
+
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
-from torchvision.models.optical_flow._utils import upsample_flow
 from torchvision.models.optical_flow.raft import (
     CorrBlock,
     FeatureEncoder,
     FlowHead,
-    MaskPredictor,
     MotionEncoder,
     RecurrentBlock,
     ResidualBlock,
@@ -35,7 +36,7 @@ class MaskRaft(nn.Module):
     Parameters
     ----------
     widths : tuple of int
-        Channels of the encoders' five stages.
+        Channels of the encoder's five stages: at half, a quarter, and three times an eighth of the resolution; the third and fourth are equal.
     hidden, context : int
         Channels of the recurrent state and of the context.
     levels, radius : int
@@ -48,57 +49,58 @@ class MaskRaft(nn.Module):
 
     def __init__(
         self,
-        widths=(32, 32, 48, 64, 96),
-        hidden: int = 64,
-        context: int = 64,
+        widths=(32, 32, 64, 64, 64),
+        hidden: int = 48,
+        context: int = 48,
         levels: int = 3,
         radius: int = 3,
-        updates: int = 4,
-        fine: int = 64,
-        sharp: int = 32,
+        updates: int = 3,
+        fine: int = 48,
+        sharp: int = 24,
     ):
         super().__init__()
         self.architecture = dict(
             widths=list(widths), hidden=hidden, context=context, levels=levels, radius=radius, updates=updates, fine=fine, sharp=sharp
         )
         self.hidden, self.updates = hidden, updates
-        self.encoder = FeatureEncoder(block=ResidualBlock, layers=tuple(widths), strides=(2, 1, 2, 2), norm_layer=nn.InstanceNorm2d)
-        self.begin = nn.Conv2d(widths[4], (hidden + context) // 2, 1)
+        affine = partial(nn.InstanceNorm2d, affine=True)
+        self.encoder = FeatureEncoder(block=ResidualBlock, layers=tuple(widths), strides=(2, 2, 2, 1), norm_layer=affine)
+        self.begin = nn.Conv2d(3 * widths[4], hidden + context, 3, 1, 1)
         self.everywhere = nn.Conv2d(context, context, 1)
         self.correlation = CorrBlock(num_levels=levels, radius=radius)
-        motion = MotionEncoder(in_channels_corr=2 * self.correlation.out_channels, corr_layers=(96, 64), flow_layers=(32, 16), out_channels=64)
-        recurrent = RecurrentBlock(
-            input_size=motion.out_channels + context, hidden_size=hidden, kernel_size=((1, 5), (5, 1)), padding=((0, 2), (2, 0))
-        )
-        self.update = UpdateBlock(motion_encoder=motion, recurrent_block=recurrent, flow_head=FlowHead(in_channels=hidden, hidden_size=96))
-        self.upsampling = MaskPredictor(in_channels=hidden, hidden_size=96)
-        seen = 3 * widths[2] + 2 * 16 + 2 * DIFFERENCES + 32  # features, logits, differences, what the state tells
+        motion = MotionEncoder(in_channels_corr=2 * self.correlation.out_channels, corr_layers=(64,), flow_layers=(32, 16), out_channels=48)
+        recurrent = RecurrentBlock(input_size=motion.out_channels + context, hidden_size=hidden, kernel_size=(3,), padding=(1,))
+        self.update = UpdateBlock(motion_encoder=motion, recurrent_block=recurrent, flow_head=FlowHead(in_channels=hidden, hidden_size=64))
+        seen = 3 * widths[1] + 2 * 16 + 2 * DIFFERENCES + 32  # features, logits, differences, what the state tells
         self.told = nn.Conv2d(hidden, 32, 1)
         self.refining = nn.Sequential(_mixing(seen, fine), _convolution(fine), _convolution(fine), _convolution(fine))
-        seen = 3 * widths[1] + 3 * 12 + 2 * 4 + DIFFERENCES + 16  # features, pictures, logits, differences, what the quarter tells
+        seen = 3 * widths[0] + 3 * 12 + 2 * 4 + DIFFERENCES + 16  # features, pictures, logits, differences, what the quarter tells
         self.told_on = nn.Conv2d(fine, 16, 1)
-        self.sharpening = nn.Sequential(_mixing(seen, sharp), _convolution(sharp), _convolution(sharp), nn.Conv2d(sharp, 8, 3, 1, 1))
+        self.sharpening = nn.Sequential(_mixing(seen, sharp), _convolution(sharp), nn.Conv2d(sharp, 8, 3, 1, 1))
 
     def forward(self, first: Tensor, second: Tensor) -> list[Tensor]:
         """Pictures float (n, 3, h, w) in [-1, 1], sides divisible by 8 and at least 64: logits after each refinement, float (n, 2, h, w)."""
         n = len(first)
-        pictures = torch.cat([first, second])
-        shallow = self.encoder.layer1(self.encoder.convnormrelu(pictures))
-        middle = self.encoder.layer2(shallow)
-        deep = self.encoder.conv(self.encoder.layer3(middle))
+        shallow = self.encoder.convnormrelu(torch.cat([first, second]))
+        middle = self.encoder.layer1(shallow)
+        deep = self.encoder.conv(self.encoder.layer3(self.encoder.layer2(middle)))
         correlations = self._correlations(*deep.float().chunk(2))
-        half, both = self.hidden // 2, self.begin(deep).chunk(2)
-        state = torch.tanh(torch.cat([part[:, :half] for part in both], 1))
-        context = functional.relu(torch.cat([part[:, half:] for part in both], 1))
-        context = context + self.everywhere(context.mean((2, 3), keepdim=True))  # another view is another view at every pixel
+        state, context = self._begun(deep)
         logits = torch.zeros(n, 2, *deep.shape[2:], device=first.device)
         found = []
         for _ in range(self.updates):
             logits = logits.detach()
             state, change = self.update(state, context, correlations.to(state.dtype), logits.to(state.dtype))
             logits = logits + change.float()
-            found.append(upsample_flow(logits / STRIDE, self.upsampling(state).float()))  # it multiplies by the stride, as flow wants it
+            found.append(functional.interpolate(logits, scale_factor=STRIDE, mode="bilinear", align_corners=False))
         return [*found, found[-1] + self._sharpened(first, second, shallow, middle, state, found[-1].detach())]
+
+    def _begun(self, deep: Tensor) -> tuple[Tensor, Tensor]:
+        """The first state and the context."""
+        both = self.begin(torch.cat(_compared(deep), 1))
+        context = functional.relu(both[:, self.hidden :])
+        context = context + self.everywhere(context.mean((2, 3), keepdim=True))  # another view is another view at every pixel
+        return torch.tanh(both[:, : self.hidden]), context
 
     def _correlations(self, one: Tensor, other: Tensor) -> Tensor:
         """Of every pixel's features with those around it in the other picture, both ways, in full precision: float (n, c, h, w)."""

@@ -1,9 +1,8 @@
 """Training a two-mask model by RAFT's recipe, on a CPU or a GPU, so that a kill loses a minute at most.
 
 AdamW, one cycle of the learning rate, gradients clipped, mixed precision where the processor has it. Pairs are mirrored, exchanged and recoloured
-alike in both pictures, and, as in RAFT's own recipe, cut out and scaled: a step takes whole pictures, or whole ones at half the resolution, or a
-quarter of each picture, where something moved if something did, which shows more of it in a quarter of the time. Pairs in which something moved are
-shown twice as often.
+alike in both pictures, and, as in RAFT's own recipe, cut out and scaled: a step takes whole pictures, or whole ones at half the resolution, or, of
+pairs in which something moved, a quarter of each picture around it, which shows more of it in a quarter of the time.
 Everything random follows from the seed and the step, so a run that was resumed ends as one that was not.
 """
 
@@ -32,10 +31,10 @@ EARLY = 0.6
 """Of the steps, the first ones, of which none takes whole pictures; chosen: a step with a quarter of the pixels costs a quarter."""
 WHOLE, CUT = 0.5, 0.65
 """Of the later steps, those with whole pictures; of all others, those that are cut out, while the rest is at half the resolution. Chosen: so that
-neither the outcome, which is seen in the whole, nor the masks, which are small, are neglected."""
+neither the outcome, which only the whole shows, nor the masks, which are small, are neglected."""
 AIMED, ENLARGED = 0.75, 0.3
-"""Of what is cut out, how much is cut out around a pixel that moved, if any did, and how much is smaller still and enlarged up to twice; chosen:
-pictures with another field of view are enlarged too."""
+"""Of what is cut out, how much is so around a pixel that moved, the rest being anywhere, and how much is smaller still and enlarged up to twice;
+chosen: pictures with another field of view are enlarged too."""
 MOVED = OUTCOMES.index("moved")
 
 
@@ -83,7 +82,7 @@ class Trainer:
         self.optimiser = torch.optim.AdamW(self.model.parameters(), lr=recipe.learning_rate, weight_decay=recipe.weight_decay, eps=1e-8)
         self.step = 0
         self.losses: list[float] = []
-        self._epoch, self._order = -1, np.empty(0, np.int64)
+        self._moved = np.nonzero(pairs.outcome == MOVED)[0]
 
     @property
     def finished(self) -> bool:
@@ -118,15 +117,16 @@ class Trainer:
 
     def _batch(self) -> tuple[Tensor, Tensor, Tensor]:
         rng = generator(self.seed, "step", self.name, self.step)
-        chosen = self._chosen()
-        pictures, masks = augmented(self.pairs.pictures[chosen], self.pairs.masks[chosen], rng)
         whole = self.step >= EARLY * self.recipe.steps and rng.uniform() < WHOLE
-        if whole or rng.uniform() >= CUT:
+        cut = not whole and rng.uniform() < CUT and len(self._moved) > 0
+        chosen = rng.choice(self._moved if cut else len(self.pairs.outcome), self.recipe.batch_size)
+        pictures, masks = augmented(self.pairs.pictures[chosen], self.pairs.masks[chosen], rng)
+        if cut:
+            x, y = self._cut_out(pictures, masks, rng)
+        else:
             x, y = as_tensor(pictures, self.device), torch.from_numpy(masks).to(self.device).float()
             if not whole:
                 x, y = functional.avg_pool2d(x.flatten(0, 1), 2).unflatten(0, (-1, 2)), functional.avg_pool2d(y, 2)
-        else:
-            x, y = self._cut_out(pictures, masks, rng)
         moved = torch.from_numpy(self.pairs.outcome[chosen] == MOVED).to(self.device)
         return x, y, moved & (y > 0.5).flatten(1).any(1)
 
@@ -150,19 +150,6 @@ class Trainer:
                 y = functional.interpolate(y[None], sides, mode="bilinear", align_corners=False)[0]
             found.append((x, y))
         return torch.stack([x for x, _ in found]), torch.stack([y for _, y in found])
-
-    def _chosen(self) -> np.ndarray:
-        """The pairs of this step: epoch after epoch all of them, those in which something moved twice, each epoch in an order of its own."""
-        shown = np.concatenate([np.arange(len(self.pairs.outcome)), np.nonzero(self.pairs.outcome == MOVED)[0]])
-        n, size = len(shown), self.recipe.batch_size
-        numbers = self.step * size + np.arange(size)
-        found = np.empty(size, np.int64)
-        for epoch in np.unique(numbers // n):
-            if epoch != self._epoch:
-                self._epoch, self._order = int(epoch), generator(self.seed, "order", self.name, int(epoch)).permutation(shown)
-            of_epoch = numbers // n == epoch
-            found[of_epoch] = self._order[numbers[of_epoch] % n]
-        return found
 
 
 def augmented(pictures: np.ndarray, masks: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:

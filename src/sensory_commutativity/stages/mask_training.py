@@ -82,7 +82,9 @@ def gather_curves(parts: Sequence[Path], out: Path, config: Config) -> None:
 
 def _told(model: ModelName, row: dict[str, float], steps: int) -> str:
     """A line for the log."""
-    return f"{model}: step {row['step']:,} of {steps:,}, loss {row['loss']:.3f}; validation: accuracy {row['accuracy']:.3f}, mean IoU {row['iou']:.3f}"
+    return (
+        f"{model}: step {row['step']:,} of {steps:,}, loss {row['loss']:.3f}; validation: accuracy {row['accuracy']:.3f}, mean IoU {row['iou']:.3f}"
+    )
 
 
 def _row(trainer: Trainer, rows: list[dict[str, float]], held_out: Pairs) -> dict[str, float]:
