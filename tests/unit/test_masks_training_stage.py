@@ -1,0 +1,96 @@
+"""The training of a model as a stage: killed at any step it goes on there, and ends as if nothing had been; and its predictor from the command line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from PIL import Image
+
+from sensory_commutativity.cli import main
+from sensory_commutativity.config import load, validate
+from sensory_commutativity.masks.pairs import Pair
+from sensory_commutativity.masks.predictor import MODELS, load_predictor
+from sensory_commutativity.masks.store import write_pairs
+from sensory_commutativity.masks.training import Trainer
+from sensory_commutativity.stages import mask_training
+from sensory_commutativity.tables import read_table
+
+from ..helpers import DEFAULT
+
+SIZE = 128
+
+
+def made_up(n: int, seed: int) -> list[Pair]:
+    """Noise; in the second picture of every third pair a bright square somewhere else, in every third another noise."""
+    rng = np.random.default_rng(seed)
+    pairs = []
+    for i in range(n):
+        pictures = np.repeat(rng.integers(60, 120, (1, SIZE, SIZE, 3)), 2, 0).astype(np.uint8)
+        masks = np.zeros((2, SIZE, SIZE), bool)
+        outcome = ("identical", "different", "moved")[i % 3]
+        if outcome == "different":
+            pictures[1], masks[:] = rng.integers(60, 120, pictures[1].shape), True
+        elif outcome == "moved":
+            for k in range(2):
+                top, left = rng.integers(0, SIZE - 20, 2)
+                masks[k, top : top + 20, left : left + 20] = True
+                pictures[k][masks[k]] = 250
+        pairs.append(Pair(pictures, masks, outcome, outcome))
+    return pairs
+
+
+@pytest.fixture
+def files(tmp_path):
+    for name, seed in (("training", 1), ("validation", 2)):
+        write_pairs(tmp_path / f"{name}.h5", made_up(9, seed), {})
+    return tmp_path
+
+
+@pytest.fixture
+def config(monkeypatch):
+    scale = MODELS["flownet"]
+    monkeypatch.setitem(MODELS, "flownet", lambda **given: scale(**(given or {"scale": 0.05})))
+    settings = load(DEFAULT).model_dump(mode="json")
+    settings["masks"]["flownet"] |= {"visits": 48, "batch_size": 4, "checkpoints": 3}
+    return validate(settings)
+
+
+def trained(files, config, name: str) -> None:
+    mask_training.write_training(
+        config, "flownet", [files / "training.h5"], [files / "validation.h5"], files / f"{name}.parquet", files / f"{name}.predictor"
+    )
+
+
+def test_a_killed_training_ends_as_one_that_was_not(files, config, monkeypatch, capsys):
+    trained(files, config, "whole")
+    assert capsys.readouterr().err.count("validation: accuracy") == 3
+    monkeypatch.setattr(mask_training, "SAVED_EVERY", 0.0)
+    advance, steps = Trainer.advance, []
+
+    def killed_twice(trainer: Trainer) -> float:
+        steps.append(trainer.step)
+        if len(steps) in (3, 8):
+            raise KeyboardInterrupt
+        return advance(trainer)
+
+    monkeypatch.setattr(Trainer, "advance", killed_twice)
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            trained(files, config, "killed")
+        assert not (files / "killed.predictor").exists() and not (files / "killed.parquet").exists()
+    trained(files, config, "killed")
+    assert steps == [0, 1, 2, 2, 3, 4, 5, 6, 6, 7, 8, 9, 10, 11]
+    assert (files / "killed.predictor").read_bytes() == (files / "whole.predictor").read_bytes()
+    assert read_table("mask_curves", files / "killed.parquet").equals(read_table("mask_curves", files / "whole.parquet"))
+    assert not list(files.glob(".*")), "checkpoints are left"
+
+
+def test_a_trained_predictor_from_the_command_line(files, config):
+    trained(files, config, "model")
+    assert load_predictor(files / "model.predictor", "flownet").field_of_view == config.masks.data.field_of_view
+    for name, picture in zip("ab", made_up(3, 5)[2].pictures, strict=True):
+        Image.fromarray(picture).save(files / f"{name}.png")
+    said = CliRunner().invoke(main, ["masks", "predict", str(files / "a.png"), str(files / "b.png"), "--predictor", str(files / "model.predictor")])
+    assert said.exit_code == 0 and "b-moved.png" in said.output
+    assert Image.open(files / "b-moved.png").size == (2 * SIZE, SIZE)
