@@ -8,7 +8,7 @@ import pytest
 from sensory_commutativity.config import load
 from sensory_commutativity.mapping.local import experiments_at
 from sensory_commutativity.mapping.places import Place, places
-from sensory_commutativity.mapping.sweep import MOST, swept_reach, usual_range
+from sensory_commutativity.mapping.sweep import MOST, swept_reach, usual_excursion, usual_reach
 from sensory_commutativity.worlds.apartment import geometry
 from sensory_commutativity.worlds.apartment.camera import Camera
 from sensory_commutativity.worlds.apartment.robot import load_robot
@@ -46,24 +46,41 @@ def test_places_are_centred_in_every_room():
 
 def test_how_far_half_of_all_experiments_get_on_either_side():
     """The maximum of a long random walk is distributed as the magnitude of its end, .674 standard deviations in the median; two orders get on."""
-    low, high = usual_range(1, 2.0, (0.0, 0.0), np.random.default_rng(0))
+    low, high = usual_excursion(1, 2.0, np.random.default_rng(0))
     assert (low, high) == pytest.approx((0, 0), abs=0.1)  # a single step goes up or down, not both
-    low, high = usual_range(400, 1.0, (0.0, 0.0), np.random.default_rng(0))
+    low, high = usual_excursion(400, 1.0, np.random.default_rng(0))
     deviation = np.sqrt(400 / 3)
     assert 0.67 * deviation < high < 1.15 * deviation and low == pytest.approx(-high, rel=0.1)
-    assert usual_range(400, 1.0, (5.0, 5.0), np.random.default_rng(0)) == pytest.approx((low + 5, high + 5), abs=1e-6)
 
 
 def test_a_swept_arm_meets_what_is_in_its_way(world):
     joint = [one.name for one in world.robot.joints].index("shoulder_pan_joint")
-    base = np.zeros(3)
-    narrow, wide = (swept_reach(world.simulation, base, joint, (-angle, angle), ["table"]) for angle in (0.05, 1.0))
+    start = world.robot.start_ranges.mean(1)
+
+    def swept(base, angle, start=start):
+        return swept_reach(world.simulation, np.array(base), joint, (-angle, angle), ["table"], start)
+
+    narrow, wide = swept([0.0, 0.0, 0.0], 0.05), swept([0.0, 0.0, 0.0], 1.0)
     assert narrow.clearance > 0 >= wide.clearance and wide.nearest == "pillar"
     assert narrow.over_low and wide.over_low
-    away = swept_reach(world.simulation, np.array([0.0, 0.0, np.pi]), joint, (-0.05, 0.05), ["table"])
+    away = swept([0.0, 0.0, np.pi], 0.05)
     assert away.clearance > narrow.clearance and not away.over_low
-    far = swept_reach(world.simulation, np.array([-50.0, 0.0, 0.0]), joint, (-0.05, 0.05), [])
-    assert far == (MOST, "", False)
+    assert swept([-50.0, 0.0, 0.0], 0.05) == (MOST, "", False)
+    turned = start.copy()
+    turned[joint] += 0.95
+    assert swept([0.0, 0.0, 0.0], 0.05, turned).clearance <= 0  # it begins where the pillar is
+
+
+def test_what_half_of_the_starts_meet_counts(world):
+    joint = [one.name for one in world.robot.joints].index("shoulder_pan_joint")
+    free = world.robot.start_ranges.mean(1)
+    blocked = free.copy()
+    blocked[joint] += 0.95
+
+    def met(starts):
+        return usual_reach(world.simulation, np.zeros(3), joint, (-0.05, 0.05), ["table"], np.array(starts)).clearance <= 0
+
+    assert met([free, blocked]) and met([blocked, free, blocked]) and not met([free, blocked, free])
 
 
 def test_experiments_where_something_is_in_the_way_and_where_not(world):

@@ -1,4 +1,4 @@
-"""The training of a model as a stage: killed at any step it goes on there, and ends as if nothing had been; and its predictor from the command line."""
+"""The training of a model as a stage: killed, it goes on and ends as if nothing had been; its predictor is used from the command line."""
 
 from __future__ import annotations
 

@@ -24,25 +24,37 @@ nothing."""
 
 
 class Seen(NamedTuple):
-    """Final pictures of the experiments at a place: uint8 (n, 2, h, w, 3), and whether each is truly different: bool (n,)."""
+    """The experiments at a place.
+
+    Attributes
+    ----------
+    pictures : uint8 (n, 2, h, w, 3)
+        The final ones of both orders.
+    different : bool (n,)
+        Whether they truly are.
+    starts : float64 (n, joints)
+        Where the joints began.
+    """
 
     pictures: np.ndarray
     different: np.ndarray
+    starts: np.ndarray
 
 
 def experiments_at(place: Place, world: ApartmentWorld, dof: int, length: int, experiments: int, rng: np.random.Generator) -> Seen | None:
     """Play SC-experiments of a degree of freedom at a place, each from its own pose of the joints; None where the robot cannot stand."""
-    pictures, different = [], []
+    pictures, different, starts = [], [], []
     for _ in range(experiments):
         if not _stand(place, world, rng):
             return None
+        starts.append(world.simulation.joints())
         start, sequence = world.snapshot(), sample_sequence(rng, length, dof, len(world.dofs))
         ends = [_end(world, start, order, rng) for order in (sequence, permute(rng, sequence))]
         (one, eye, poses), (other, other_eye, other_poses) = ends
         outcome, _ = outcome_of(one, other, eye, other_eye, displaced(poses, other_poses), world.cameras[0])
         pictures.append(np.stack([photographed(picture.rgb, rng) for picture in (one, other)]))
         different.append(outcome == "different")
-    return Seen(np.stack(pictures), np.array(different))
+    return Seen(np.stack(pictures), np.array(different), np.stack(starts))
 
 
 def _stand(place: Place, world: ApartmentWorld, rng: np.random.Generator) -> bool:

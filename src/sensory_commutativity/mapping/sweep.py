@@ -1,6 +1,7 @@
 """What is truly within an arm's reach: the arm swept as far as a random sequence drives it, and what it meets (for comparison with the local SCP).
 
-How far an arm gets differs from experiment to experiment. Taken is what half of all experiments reach, on either side, in one of their two orders.
+How far an arm gets differs from experiment to experiment. Taken is what half of all experiments reach, on either side, in one of their two orders,
+from where each of the experiments at a place began; and of these what half of them meet.
 """
 
 from __future__ import annotations
@@ -43,8 +44,8 @@ class Reach(NamedTuple):
     over_low: bool
 
 
-def usual_range(length: int, speed: float, start: tuple[float, float], rng: np.random.Generator) -> tuple[float, float]:
-    """Lowest and highest position of a joint that half of all SC-experiments reach, in the unit of `speed`, if nothing is in the way.
+def usual_excursion(length: int, speed: float, rng: np.random.Generator) -> tuple[float, float]:
+    """How far down and how far up, from where it began, half of all SC-experiments drive a joint, in the unit of `speed`, if nothing is in the way.
 
     Parameters
     ----------
@@ -52,20 +53,29 @@ def usual_range(length: int, speed: float, start: tuple[float, float], rng: np.r
         Actions of a sequence.
     speed : float
         What an action of 1 moves.
-    start : tuple of float
-        Range from which start positions are drawn.
     """
     ends = np.empty((SEQUENCES, 2))
     for i in range(SEQUENCES):
         sequence = sample_sequence(rng, length, 0, 1)[:, 0]
-        both = np.concatenate([[0.0], np.cumsum(sequence), np.cumsum(rng.permutation(sequence))]) * speed + rng.uniform(*start)
+        both = np.concatenate([[0.0], np.cumsum(sequence), np.cumsum(rng.permutation(sequence))]) * speed
         ends[i] = both.min(), both.max()
     low, high = np.median(ends, axis=0)
     return float(low), float(high)
 
 
-def swept_reach(simulation: Simulation, base: np.ndarray, joint: int, between: tuple[float, float], low: Collection[str]) -> Reach:
-    """What the arm meets when a joint sweeps, all others in the middle of their start ranges.
+def usual_reach(
+    simulation: Simulation, base: np.ndarray, joint: int, excursion: tuple[float, float], low: Collection[str], starts: np.ndarray
+) -> Reach:
+    """Of the sweeps from all `starts`, positions of the joints float64 (n, joints), that than which half come no nearer to anything."""
+    found = sorted((swept_reach(simulation, base, joint, excursion, low, joints) for joints in starts), key=lambda reach: reach.clearance)
+    middle = found[(len(found) - 1) // 2]
+    return middle._replace(over_low=2 * sum(reach.over_low for reach in found) > len(found))
+
+
+def swept_reach(
+    simulation: Simulation, base: np.ndarray, joint: int, excursion: tuple[float, float], low: Collection[str], start: np.ndarray
+) -> Reach:
+    """What the arm meets when a joint sweeps and all others stay.
 
     Parameters
     ----------
@@ -75,18 +85,19 @@ def swept_reach(simulation: Simulation, base: np.ndarray, joint: int, between: t
         x, y (metres) and heading (rad).
     joint : int
         Which of :attr:`.robot.Robot.joints` sweeps.
-    between : tuple of float
-        From where to where, rad; its limits stop it.
+    excursion : tuple of float
+        How far down and up, rad; its limits stop it.
     low : collection of str
         Names of low furniture.
+    start : float64 (joints,)
+        Where all joints begin.
     """
     robot, fixtures = simulation.robot, simulation.scene.fixtures
-    middle = robot.start_ranges.mean(1)
     boxes = [_bounds(fixture) for fixture in fixtures if fixture.name in low]
     links, nearest, name, over = arm_links(simulation), MOST, "", False
-    for angle in np.linspace(*between, STOPS):
-        joints = middle.copy()
-        joints[joint] = np.clip(angle, *robot.limits[joint])
+    for angle in np.linspace(*excursion, STOPS):
+        joints = start.copy()
+        joints[joint] = np.clip(start[joint] + angle, *robot.limits[joint])
         simulation.put_robot(base, joints)
         distance, index = simulation.nearest_fixture(MOST, links)
         if index is not None and distance < nearest:

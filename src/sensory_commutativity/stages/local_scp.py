@@ -15,7 +15,7 @@ import pandas as pd
 from ..config import Config
 from ..mapping.local import Seen, experiments_at
 from ..mapping.places import Place
-from ..mapping.sweep import Reach, swept_reach, usual_range
+from ..mapping.sweep import Reach, usual_excursion, usual_reach
 from ..masks.decision import outcomes
 from ..masks.from_config import cameras_of_masks, first_of_arm, places_of_map, robot_of_masks
 from ..masks.outcome import OUTCOMES
@@ -41,14 +41,14 @@ def write_local_scp_experiments(config: Config, part: int, out: Path) -> None:
     dof = first_of_arm(robot)
     world = ApartmentWorld(scene_of(config.apartment, settings.scene), robot, cameras_of_masks(config, [config.masks.data.field_of_view]))
     joint = [one.name for one in robot.joints].index(robot.description.dofs[dof].joints[0])
-    starts = tuple(robot.start_ranges[joint])
-    between = usual_range(settings.sequence_length, world.dofs[dof].speed, starts, generator(config.seed, "masks", "map", "range"))
+    excursion = usual_excursion(settings.sequence_length, world.dofs[dof].speed, generator(config.seed, "masks", "map", "excursion"))
     found: list[tuple[Place, Seen, Reach]] = []
     for place in progress(places_of_map(config)[_of_job(config, part)], out.stem, "place"):
         rng = generator(config.seed, "masks", "map", settings.scene, place.room, f"{place.x:.4f} {place.y:.4f} {place.heading:.4f}")
         seen = experiments_at(place, world, dof, settings.sequence_length, settings.experiments, rng)
         if seen is not None:
-            found.append((place, seen, swept_reach(world.simulation, np.array(place[1:]), joint, between, settings.low)))
+            reach = usual_reach(world.simulation, np.array(place[1:]), joint, excursion, settings.low, seen.starts)
+            found.append((place, seen, reach))
     size, n = config.masks.image_size, settings.experiments
     arrays = dict(
         pictures=np.array([seen.pictures for _, seen, _ in found], np.uint8).reshape(-1, 2, size, size, 3),
