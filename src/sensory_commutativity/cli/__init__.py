@@ -12,7 +12,7 @@ import sys
 import click
 
 from ..errors import UserError
-from . import apartment, figures, flatland, masks, navigation, settings
+from . import apartment, figures, flatland, masks, navigation, runs, settings
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
 
@@ -22,7 +22,8 @@ CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
 def main() -> None:
     """Play the same actions in two orders from the same start. Did the sensors end equal?
 
-    Commands named after a table write that table; `check` tries a configuration; `figure` and `animation` draw. The workflow calls them in the
+    Commands named after a table write that table; `check` tries a configuration; `figure` and `animation` draw;
+    `provenance` says where a file comes from, `compare` how two runs differ. The workflow calls them in the
     right order: run `make`, or `snakemake --cores all`.
     """
 
@@ -54,6 +55,8 @@ for _command in (
     navigation.navigation_scp,
     *navigation.FROM_TABLES,
     figures.paper_comparison,
+    runs.compare,
+    runs.provenance,
     settings.resolve,
     settings.schema,
 ):

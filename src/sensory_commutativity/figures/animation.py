@@ -6,7 +6,6 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.animation import PillowWriter
 
 from ..config import Config
 from ..distances import mean_squared_error
@@ -19,7 +18,7 @@ from ..tables import written_whole
 from ..worlds.flatland.drawing import draw_room, draw_view
 from ..worlds.flatland.from_config import flatland_world
 from ..worlds.flatland.world import FlatlandSnapshot, FlatlandWorld
-from .style import dof_label
+from .style import Film, dof_label
 
 TRIES = 500
 FRAMES_PER_SECOND = 10
@@ -71,7 +70,7 @@ def animate_experiment(config: Config, dof: str, out: Path) -> None:
         return views
 
     with written_whole(out) as temporary:
-        writer = PillowWriter(fps=FRAMES_PER_SECOND)
+        writer = Film(FRAMES_PER_SECOND, config)
         with writer.saving(figure, str(temporary), dpi=90):
             views = frame(0)
             writer.grab_frame()

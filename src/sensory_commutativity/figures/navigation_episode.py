@@ -8,7 +8,6 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
-from matplotlib.animation import PillowWriter
 
 from ..checkpoints import load_state
 from ..config import Config
@@ -19,6 +18,7 @@ from ..navigation.task import NavigationEnv
 from ..navigation.training import policy_of_run
 from ..tables import read_table, written_whole
 from ..worlds.flatland.drawing import draw_room, draw_view
+from .style import Film
 
 FRAMES_PER_SECOND = 10
 HOLD = 12  # frames that the end of an episode stands still
@@ -55,7 +55,7 @@ def animate_episode(config: Config, action_space: str, scores: Path, models: Pat
         figure.suptitle(f"{action_space}, run {seed} (median)\n{said}", fontsize=10)
 
     with written_whole(out) as temporary:
-        writer = PillowWriter(fps=FRAMES_PER_SECOND)
+        writer = Film(FRAMES_PER_SECOND, config)
         with writer.saving(figure, str(temporary), dpi=80):
             for number, start in enumerate(evaluation_seeds(config)[:EPISODES], 1):
                 for seen, trail, said, repeat in _episode(policy, wrapped, environment, start):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,10 +14,12 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
+from matplotlib.animation import PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..config import Config
+from ..provenance import provenance
 from ..tables import read_table, written_whole
 from .catalogue import ARRAYS, FIGURES, source_file
 
@@ -96,7 +99,7 @@ def draw_figure(name: str, tables: Path, out: Path, config: Config) -> None:
     module = importlib.import_module(f".{name}", __package__)
     with plt.rc_context(_RC):
         figure = module.draw(frames, config)
-        save(figure, out)
+        save(figure, out, config)
 
 
 def _read(name: str, path: Path):
@@ -110,13 +113,26 @@ def _read(name: str, path: Path):
     return arrays | {key: unpack(arrays[key], width) for key in ("masks", "dataset_masks")}, about
 
 
-def save(figure: Figure, out: Path) -> None:
-    """Save as PNG and PDF, without the date, so that equal tables give equal files."""
+def save(figure: Figure, out: Path, config: Config) -> None:
+    """Save as PNG and PDF with what they come from, and without the date, so that equal tables give equal files."""
+    about = provenance(config)
     with written_whole(out) as temporary:
-        figure.savefig(temporary, format="png", metadata={"Software": None})
+        figure.savefig(temporary, format="png", metadata={"Software": None, **about})
     with written_whole(out.with_suffix(".pdf")) as temporary:
-        figure.savefig(temporary, format="pdf", metadata={"CreationDate": None, "Producer": None, "Creator": None})
+        figure.savefig(temporary, format="pdf", metadata={"CreationDate": None, "Producer": None, "Creator": None, "Keywords": json.dumps(about)})
     plt.close(figure)
+
+
+class Film(PillowWriter):
+    """Writes a GIF with what it comes from as its comment."""
+
+    def __init__(self, fps: int, config: Config):
+        super().__init__(fps=fps)
+        self._about = json.dumps(provenance(config))
+
+    def finish(self) -> None:
+        first, *others = self._frames
+        first.save(self.outfile, save_all=True, append_images=others, duration=int(1000 / self.fps), loop=0, comment=self._about)
 
 
 def reference_rows(scp: pd.DataFrame, config: Config, threshold: float = 0.0) -> pd.DataFrame:

@@ -10,7 +10,7 @@ import pandas as pd
 
 from ..config import Config
 from ..errors import TableError
-from ..provenance import package_versions
+from ..provenance import package_versions, provenance
 from ..tables import read_table, write_table
 
 TABLE = "navigation_curves"
@@ -25,7 +25,7 @@ def write_run(config: Config, action_space: str, seed: int, navigation_scp: Path
     scales = scales_of_run(config, measured_scp(config, read_table("navigation_scp", navigation_scp)), action_space, seed)
     checkpoint = Checkpoint(out, f"{settings_of_run(config, scales)} {json.dumps(package_versions())}")
     curve, trained = train(config, action_space, seed, scales, checkpoint)
-    save_state(model, trained)
+    save_state(model, {**trained, "about": provenance(config)})
     write_table(TABLE, curve.assign(action_space=action_space, seed=seed), out, config)
     checkpoint.forget()
 

@@ -1,0 +1,70 @@
+"""Commands on finished runs: where a file comes from, and how two runs differ."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
+SAID = {
+    "identical": "identical",
+    "rounding": "equal but for rounding",
+    "within": "within their intervals",
+    "beyond": "BEYOND their intervals",
+    "differs": "differs",
+    "rows": "other rows",
+}
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def provenance(file: Path, as_json: bool) -> None:
+    """Where does FILE come from? A table, an array file, a model or a figure of a run."""
+    from ..runs.origin import origin_of
+
+    found = origin_of(file)
+    if as_json:
+        click.echo(json.dumps(found, indent=2))
+        return
+    width = max(map(len, found))
+    for key, value in found.items():
+        for i, line in enumerate(_lines(key, value)):
+            click.echo(f"{key if i == 0 else '':{width}}  {line}")
+
+
+def _lines(key: str, value: str) -> list[str]:
+    return [f"{name} {version}" for name, version in json.loads(value).items()] if key == "packages" else [value]
+
+
+@click.command()
+@click.argument("run_a", type=FOLDER)
+@click.argument("run_b", type=FOLDER)
+def compare(run_a: Path, run_b: Path) -> None:
+    """Which tables differ between RUN_A and RUN_B (folders like results/paper), by how much, and beyond their intervals or not?
+
+    The exit code is 1 if a table is missing in one of them, cannot be read, has other rows, or has values beyond their intervals.
+    """
+    from ..runs.compare import compare_runs, tables_of
+    from ..runs.origin import origin_of
+
+    runs = (run_a, run_b)
+    found = compare_runs(*runs)
+    readable = [table.table for table in found if table.verdict != "unreadable" and not table.verdict.startswith("only")]
+    if readable:
+        origins = [origin_of(tables_of(run) / f"{readable[0]}.parquet") for run in runs]
+        for key in ("profile", "config_sha256", "root_seed", "git_commit", "python", "platform"):
+            a, b = (origin.get(key, "?") for origin in origins)
+            click.echo(f"{key:14} {a if a == b else f'{a}  |  {b}'}")
+        click.echo("")
+    for table in found:
+        beyond = f", {table.beyond:,} of {table.intervals:,} intervals apart" if table.intervals and table.verdict in ("within", "beyond") else ""
+        rows = f"; {table.differing:,} of {table.rows:,} rows{beyond}" if table.differing else ""
+        click.echo(f"{table.table:26} {SAID.get(table.verdict, table.verdict)}{rows}{f'; most: {table.most}' if table.most else ''}")
+    bad = [table for table in found if table.verdict not in ("identical", "rounding", "within", "differs")]
+    same = sum(table.verdict == "identical" for table in found)
+    click.echo(f"\n{len(found)} tables: {same} identical, {len(found) - same - len(bad)} within what chance does, {len(bad)} to look at")
+    if bad:
+        raise SystemExit(1)

@@ -1,0 +1,1 @@
+"""Finished runs: where each of their files comes from, and how two of them differ."""
