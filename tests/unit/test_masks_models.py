@@ -18,7 +18,7 @@ from sensory_commutativity.masks.pairs import Pair
 from sensory_commutativity.masks.predictor import MODELS, PREDICTORS, MaskPredictor, PredictorError, checked, load_predictor
 from sensory_commutativity.masks.raft import MaskRaft
 from sensory_commutativity.masks.store import Pairs, StoreError, pack, read_arrays, read_pairs, unpack, write_arrays, write_pairs
-from sensory_commutativity.masks.training import AIMED, EARLY, Recipe, Trainer, augmented, learning_rate
+from sensory_commutativity.masks.training import AIMED, EARLY, LOWER, Recipe, Trainer, augmented, learning_rate
 
 IDENTICAL, DIFFERENT, MOVED = range(3)
 SMALL = {"raft": dict(widths=(8, 12, 16, 16, 24), hidden=16, context=16, updates=2, fine=12, sharp=8), "flownet": dict(scale=0.05)}
@@ -175,12 +175,14 @@ def test_the_image_difference_forgives_a_pixel_and_exposure_and_sees_the_rest():
 # ---- training ----------------------------------------------------------------------------------------------------------------
 
 
-def test_the_learning_rate_rises_and_falls_once():
-    recipe = Recipe(visits=1600, learning_rate=0.01)
-    rates = [learning_rate(recipe, step) for step in range(recipe.steps)]
-    top = int(np.argmax(rates))
-    assert max(rates) == 0.01 and 0 < top < 10 and rates[-1] < 1e-5
-    assert all(np.diff(rates[: top + 1]) > 0) and all(np.diff(rates[top + 1 :]) < 0)
+def test_the_learning_rate_rises_and_falls_twice():
+    recipe = Recipe(visits=4800, learning_rate=0.01)
+    rates = np.array([learning_rate(recipe, step) for step in range(recipe.steps)])
+    assert recipe.first == 200
+    for cycle, highest in ((rates[:200], 0.01), (rates[200:], LOWER * 0.01)):
+        top = int(np.argmax(cycle))
+        assert max(cycle) == pytest.approx(highest) and 0 < top < 15 and cycle[-1] < 1e-5
+        assert all(np.diff(cycle[: top + 1]) > 0) and all(np.diff(cycle[top + 1 :]) < 0)
 
 
 def test_a_trained_model_fits_what_it_is_shown():
@@ -233,13 +235,13 @@ def test_augmentation_changes_both_pictures_alike_and_takes_the_masks_along():
     assert all(bright[i][masks[moved][i]].mean() > bright[i][~masks[moved][i]].mean() + 100 for i in range(moved.sum()))
 
 
-def test_early_steps_take_a_quarter_of_the_pixels_and_later_ones_whole_pictures_too():
-    trainer = Trainer("flownet", Recipe(visits=400, batch_size=4), some_pairs(), seed=3, **SMALL["flownet"])
-    sizes = []
-    for trainer.step in range(100):
-        sizes.append(trainer._batch()[0].shape[-1])
-    early = int(100 * EARLY)
-    assert set(sizes[:early]) == {64} and 0.25 < np.mean(np.array(sizes[early:]) == 128) < 0.75
+def test_whole_pictures_come_late_and_the_second_cycle_takes_mostly_such():
+    trainer = Trainer("flownet", Recipe(visits=600, batch_size=4), some_pairs(), seed=3, **SMALL["flownet"])
+    whole = []
+    for trainer.step in range(150):
+        whole.append(trainer._batch()[0].shape[-1] == 128)
+    assert trainer.recipe.first == 100 and not any(whole[: int(100 * EARLY)])
+    assert 0.25 < np.mean(whole[60:100]) < 0.75 and 0.6 < np.mean(whole[100:]) < 0.95
 
 
 def test_parts_are_cut_out_where_something_moved():

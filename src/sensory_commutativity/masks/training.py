@@ -1,8 +1,9 @@
 """Training a two-mask model by RAFT's recipe, on a CPU or a GPU, so that a kill loses a minute at most.
 
-AdamW, one cycle of the learning rate, gradients clipped, mixed precision where the processor has it. Pairs are mirrored, exchanged and recoloured
-alike in both pictures, and, as in RAFT's own recipe, cut out and scaled: a step takes whole pictures, or whole ones at half the resolution, or, of
-pairs in which something moved, a quarter of each picture around it, which shows more of it in a quarter of the time.
+AdamW, gradients clipped, mixed precision where the processor has it. Pairs are mirrored, exchanged and recoloured alike in both pictures, and, as
+in RAFT's own recipe, cut out and scaled: a step takes whole pictures, or whole ones at half the resolution, or, of pairs in which something moved,
+a quarter of each picture around it, which shows more of it in a quarter of the time. As RAFT is trained in stages, so is this: one cycle of the
+learning rate with few whole pictures, a second, lower one with mostly such.
 Everything random follows from the seed and the step, so a run that was resumed ends as one that was not.
 """
 
@@ -26,12 +27,15 @@ from .store import Pairs
 CLIP = 1.0
 """Largest norm of the gradient (RAFT)."""
 WARM = 0.05
-"""Of the steps, in which the learning rate rises (RAFT)."""
+"""Of the steps of a cycle, in which the learning rate rises (RAFT)."""
+FIRST, LOWER = 2 / 3, 0.3
+"""Of all steps, those of the first cycle; highest learning rate of the second, in that of the first. Chosen: after a first cycle alone, things that
+fill much of the picture were seen in the wrong view more often than small ones."""
 EARLY = 0.6
-"""Of the steps, the first ones, of which none takes whole pictures; chosen: a step with a quarter of the pixels costs a quarter."""
-WHOLE, CUT = 0.5, 0.65
-"""Of the later steps, those with whole pictures; of all others, those that are cut out, while the rest is at half the resolution. Chosen: so that
-neither the outcome, which only the whole shows, nor the masks, which are small, are neglected."""
+"""Of the first cycle, the first steps, of which none takes whole pictures; chosen: a step with a quarter of the pixels costs a quarter."""
+WHOLE, MOSTLY, CUT = 0.5, 0.8, 0.65
+"""Of the later steps of the first cycle, and of those of the second, those with whole pictures; of all others, those that are cut out, while the rest
+is at half the resolution. Chosen: so that neither the outcome, which only the whole shows, nor the masks, which are small, are neglected."""
 AIMED, ENLARGED = 0.75, 0.3
 """Of what is cut out, how much is so around a pixel that moved, the rest being anywhere, and how much is smaller still and enlarged up to twice;
 chosen: pictures with another field of view are enlarged too."""
@@ -51,13 +55,31 @@ class Recipe:
     def steps(self) -> int:
         return math.ceil(self.visits / self.batch_size)
 
+    @property
+    def first(self) -> int:
+        """Steps of the first cycle."""
+        return round(FIRST * self.steps)
+
+    def whole(self, step: int) -> float:
+        """Of steps like this one, how many take whole pictures."""
+        if step >= self.first:
+            return MOSTLY
+        return WHOLE if step >= EARLY * self.first else 0.0
+
 
 def learning_rate(recipe: Recipe, step: int) -> float:
-    """One cycle: up along a line, down along half a cosine."""
-    warm = max(1, round(WARM * recipe.steps))
+    """Two cycles, each up along a line and down along half a cosine."""
+    if step < recipe.first:
+        return recipe.learning_rate * _cycle(step, recipe.first)
+    return LOWER * recipe.learning_rate * _cycle(step - recipe.first, recipe.steps - recipe.first)
+
+
+def _cycle(step: int, steps: int) -> float:
+    """A cycle of the learning rate, in its highest value."""
+    warm = max(1, round(WARM * steps))
     if step < warm:
-        return recipe.learning_rate * (step + 1) / warm
-    return recipe.learning_rate * 0.5 * (1 + math.cos(math.pi * (step - warm) / max(1, recipe.steps - warm)))
+        return (step + 1) / warm
+    return 0.5 * (1 + math.cos(math.pi * (step - warm) / max(1, steps - warm)))
 
 
 class Trainer:
@@ -117,7 +139,8 @@ class Trainer:
 
     def _batch(self) -> tuple[Tensor, Tensor, Tensor]:
         rng = generator(self.seed, "step", self.name, self.step)
-        whole = self.step >= EARLY * self.recipe.steps and rng.uniform() < WHOLE
+        share = self.recipe.whole(self.step)
+        whole = share > 0 and rng.uniform() < share
         cut = not whole and rng.uniform() < CUT and len(self._moved) > 0
         chosen = rng.choice(self._moved if cut else len(self.pairs.outcome), self.recipe.batch_size)
         pictures, masks = augmented(self.pairs.pictures[chosen], self.pairs.masks[chosen], rng)
