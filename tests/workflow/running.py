@@ -28,7 +28,7 @@ def command(*arguments: str, profile: str = "config/test.yaml") -> list[str]:
 
 
 def snakemake(folder: Path, *arguments: str, profile: str = "config/test.yaml") -> subprocess.CompletedProcess[str]:
-    return subprocess.run(command(*arguments, profile=profile), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=900)
+    return subprocess.run(command(*arguments, profile=profile), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=1800)
 
 
 def hashes(tables: Path) -> dict[str, str]:
