@@ -63,7 +63,7 @@ def compare(run_a: Path, run_b: Path) -> None:
         beyond = f", {table.beyond:,} of {table.intervals:,} intervals apart" if table.intervals and table.verdict in ("within", "beyond") else ""
         rows = f"; {table.differing:,} of {table.rows:,} rows{beyond}" if table.differing else ""
         click.echo(f"{table.table:26} {SAID.get(table.verdict, table.verdict)}{rows}{f'; most: {table.most}' if table.most else ''}")
-    bad = [table for table in found if table.verdict not in ("identical", "rounding", "within", "differs")]
+    bad = [table for table in found if not table.by_chance]
     same = sum(table.verdict == "identical" for table in found)
     click.echo(f"\n{len(found)} tables: {same} identical, {len(found) - same - len(bad)} within what chance does, {len(bad)} to look at")
     if bad:

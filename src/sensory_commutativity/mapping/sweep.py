@@ -66,7 +66,10 @@ def usual_excursion(length: int, speed: float, rng: np.random.Generator) -> tupl
 def usual_reach(
     simulation: Simulation, base: np.ndarray, joint: int, excursion: tuple[float, float], low: Collection[str], starts: np.ndarray
 ) -> Reach:
-    """Of the sweeps from all `starts`, positions of the joints float64 (n, joints), that than which half come no nearer to anything."""
+    """The sweep with the (lower) median clearance of those from all `starts`, positions of the joints float64 (n, joints), rad and metres.
+
+    Half of the sweeps come as near to something; the arm passes over low things if most do. The other parameters: :func:`swept_reach`.
+    """
     found = sorted((swept_reach(simulation, base, joint, excursion, low, joints) for joints in starts), key=lambda reach: reach.clearance)
     middle = found[(len(found) - 1) // 2]
     return middle._replace(over_low=2 * sum(reach.over_low for reach in found) > len(found))

@@ -24,9 +24,9 @@ FALL, ROLL = 30, 120
 NEAR = 0.6
 """Of the pairs, those with the robot's hand beside an object, as in most SC-experiments on objects; the others begin anywhere."""
 BY_HAND = 0.7
-"""Of the pairs in which something moves, those in which it is what is nearest the hand: most that SC-experiments move was touched."""
+"""Of the pairs in which something moves, those in which it is what is nearest the hand; chosen: SC-experiments mostly move what they touch."""
 STILL = 0.5
-"""Of the pairs of a robot that came back, those in which it came back exactly, as most do in SC-experiments: another base moves no arm."""
+"""Of the pairs of a robot that came back, those in which it came back exactly; chosen: as most do in SC-experiments of an arm."""
 ATTEMPTS = 3_000
 """Situations that are tried for one pair; chosen: a hundred times what the apartments here need."""
 

@@ -29,8 +29,8 @@ CLIP = 1.0
 WARM = 0.05
 """Of the steps of a cycle, in which the learning rate rises (RAFT)."""
 FIRST, LOWER = 2 / 3, 0.3
-"""Of all steps, those of the first cycle; highest learning rate of the second, in that of the first. Chosen: after a first cycle alone, things that
-fill much of the picture were seen in the wrong view more often than small ones."""
+"""Of all steps, those of the first cycle; highest learning rate of the second, in that of the first. Chosen: late in a first cycle, things that
+fill much of the picture were seen in the wrong view more often than small ones (docs/differences.md)."""
 EARLY = 0.6
 """Of the first cycle, the first steps, of which none takes whole pictures; chosen: a step with a quarter of the pixels costs a quarter."""
 WHOLE, MOSTLY, CUT = 0.5, 0.8, 0.65
