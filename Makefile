@@ -55,7 +55,7 @@ schema: $(READY)  ## rewrite config/schema.json after a change to src/sensory_co
 	$(BIN)/sensory-commutativity schema --out config/schema.json
 
 lock: $(READY)  ## pin the environment anew (needs uv)
-	uv pip compile -q --universal --no-header --python-version 3.11 pyproject.toml --extra workflow --extra test \
+	uv pip compile -q --universal --no-header --python-version 3.11 pyproject.toml --extra workflow --extra slurm --extra test \
 		--custom-compile-command "make lock" -o requirements.lock
 
 clean:  ## remove the results of the default and test profiles

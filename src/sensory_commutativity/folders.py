@@ -1,8 +1,11 @@
-"""Where files go: can results be written where they should (asked before any work is done), and where is kept what is made or fetched once?"""
+"""Where files go: can results be written where they should (asked before any work is done), by whom, and where is kept what is made or fetched once?"""
 
 from __future__ import annotations
 
+import atexit
+import fcntl
 import os
+import platform
 import tempfile
 from pathlib import Path
 
@@ -23,6 +26,40 @@ def check_writable(folder: Path) -> None:
     except OSError as error:
         where = error.filename or folder
         raise ConfigError(f"{where}: cannot be written to ({error.strerror}), so results cannot go to {folder}; {remedy}") from None
+
+
+def hold(folder: Path) -> None:
+    """Keep `folder` for this process until it ends, however it ends. Raises ConfigError, naming the other, when another run holds it.
+
+    Snakemake's own lock keeps two runs of one checkout apart; this one, two checkouts that share a results folder. The lock is the operating
+    system's, so none is left behind by a run that was killed.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / ".held"
+    while True:
+        file = path.open("a+", encoding="utf-8")  # kept open by the function that runs at the end
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.seek(0)
+            who = file.read().strip() or "another process"
+            file.close()
+            raise ConfigError(f"{folder}: {who} is writing results there; wait until it ends, or set another 'profile' or 'results'") from None
+        except OSError:  # a file system without locks
+            file.close()
+            return
+        if path.exists() and path.stat().st_ino == os.fstat(file.fileno()).st_ino:
+            break
+        file.close()  # whoever held it has just ended, and taken the file along
+    file.truncate(0)
+    file.write(f"process {os.getpid()} on {platform.node()}\n")
+    file.flush()
+
+    def release() -> None:
+        path.unlink(missing_ok=True)
+        file.close()
+
+    atexit.register(release)
 
 
 def cache_folder(*below: str) -> Path:

@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -29,6 +30,20 @@ def command(*arguments: str, profile: str = "config/test.yaml") -> list[str]:
 
 def snakemake(folder: Path, *arguments: str, profile: str = "config/test.yaml") -> subprocess.CompletedProcess[str]:
     return subprocess.run(command(*arguments, profile=profile), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=1800)
+
+
+def digests(folder: Path, files: Iterable[Path]) -> dict[Path, str | None]:
+    """SHA-256 of each of `files`, relative to `folder`; None for one that is not there."""
+    return {file: hashlib.sha256((folder / file).read_bytes()).hexdigest() if (folder / file).exists() else None for file in files}
+
+
+def in_its_place(folder: Path, rule_file: str, command: str, script: str) -> None:
+    """Let a rule of a copy of the workflow run a script, with the command and its arguments as the script's own, in place of the command."""
+    rules = folder / "workflow" / "rules" / rule_file
+    text = rules.read_text()
+    assert f'"sensory-commutativity {command} ' in text
+    rules.write_text(text.replace(f'"sensory-commutativity {command} ', f'"sh faulty.sh sensory-commutativity {command} '))
+    (folder / "faulty.sh").write_text(script)
 
 
 def hashes(tables: Path) -> dict[str, str]:

@@ -38,6 +38,9 @@ rule apartment_ready:
     log:
         LOGS / "apartment_ready" / "{robot}.{scene}.{start}.log",
     priority: 1000  # before all else: what is missing should be told before the long work
+    resources:
+        mem_mb=growing(1500),
+        runtime=growing(10),
     params:
         settings=lambda w: digest(settings_of_start(CONFIG, w.robot, w.scene, w.start)),
     message:
@@ -66,7 +69,8 @@ rule apartment_experiments_part:
         )
     threads: 1
     resources:
-        mem_mb=1500,
+        mem_mb=growing(1500),
+        runtime=growing(20),
     params:
         settings=apartment_run,
     message:
@@ -83,6 +87,7 @@ rule apartment_experiments:
         TABLES / "apartment_experiments.parquet",
     log:
         LOGS / "apartment_experiments.log",
+    localrule: True
     message:
         "gathering the SC-experiments in apartments"
     shell:

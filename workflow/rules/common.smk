@@ -9,7 +9,7 @@ from sensory_commutativity import __version__
 from sensory_commutativity.config import LEARNED, validate, write_resolved
 from sensory_commutativity.errors import UserError
 from sensory_commutativity.figures.catalogue import COMPARED, FIGURES, source_file
-from sensory_commutativity.folders import check_writable
+from sensory_commutativity.folders import check_writable, hold
 from sensory_commutativity.masks.from_config import (
     check_masks,
     experiments_of_job,
@@ -89,5 +89,26 @@ def digest(*settings):
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
+def growing(amount):
+    """A resource, memory in MB or run time in minutes, that a job is given more of each time that it is tried again."""
+    return lambda wildcards, attempt: amount * attempt
+
+
+def folder_of(inputs, otherwise):
+    """The folder in which a rule's inputs of this name lie: on a machine without the shared disk, a copy's."""
+    return lambda wildcards, input: next(
+        (Path(file).parent for file in input.get(inputs, [])), otherwise
+    )
+
+
 onstart:
+    try:
+        hold(RESULTS)
+    except UserError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)
+    write_resolved(CONFIG, Path(RESOLVED))
+
+
+if workflow.remote_exec:  # a job on another machine, which may not see the file
     write_resolved(CONFIG, Path(RESOLVED))

@@ -45,9 +45,10 @@ for figure, needed in FIGURES.items():
             pdf=DRAWN / f"{figure}.pdf",
         log:
             LOGS / "figure" / f"{figure}.log",
+        localrule: True
         params:
             figure=figure,
-            tables=TABLES,
+            tables=folder_of("tables", TABLES),
             settings=drawn_from(figure),
         message:
             "drawing {params.figure}"
@@ -65,6 +66,7 @@ rule animation:
         ),
     log:
         LOGS / "animation.log",
+    localrule: True
     params:
         settings=reference(FLATLAND.rest_steps),
     message:
@@ -90,7 +92,7 @@ rule navigation_episode:
     log:
         LOGS / "navigation_episode" / "{action_space}.log",
     params:
-        models=MODELS / "navigation",
+        models=folder_of("models", MODELS / "navigation"),
         settings=training(),
     message:
         "animating an episode with the action space {wildcards.action_space}"
@@ -106,8 +108,9 @@ rule paper_comparison:
         TABLES / "paper_comparison.parquet",
     log:
         LOGS / "paper_comparison.log",
+    localrule: True
     params:
-        tables=TABLES,
+        tables=folder_of("tables", TABLES),
         settings=digest(FLATLAND, NAVIGATION, MASKS, apartment_settings()),
     message:
         "setting the paper's claims beside ours"

@@ -49,7 +49,8 @@ rule flatland_experiments_part:
         / "{world}.{agent}.{length}.{part}-of-{parts}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
+        mem_mb=growing(1000),
+        runtime=growing(20),
     params:
         settings=lambda w: digest(
             FLATLAND.worlds[w.world],
@@ -72,6 +73,7 @@ rule flatland_experiments:
         TABLES / "flatland_experiments.parquet",
     log:
         LOGS / "flatland_experiments.log",
+    localrule: True
     message:
         "gathering all SC-experiments"
     shell:
@@ -148,7 +150,8 @@ rule flatland_commutation_part:
         BENCHMARKS / "flatland_commutation_part" / "{world}.{part}-of-{parts}.tsv"
     threads: 1
     resources:
-        mem_mb=1000,
+        mem_mb=growing(1000),
+        runtime=growing(60),
     params:
         settings=lambda w: reference(
             FLATLAND.worlds[w.world],
@@ -170,6 +173,7 @@ rule flatland_commutation:
         TABLES / "flatland_commutation.parquet",
     log:
         LOGS / "flatland_commutation.log",
+    localrule: True
     message:
         "estimating which degrees of freedom commute"
     shell:
@@ -185,7 +189,8 @@ rule flatland_baselines_part:
         BENCHMARKS / "flatland_baselines_part" / "{dof}.tsv"
     threads: 1
     resources:
-        mem_mb=3000,
+        mem_mb=growing(3000),
+        runtime=growing(30),
     params:
         settings=reference(FLATLAND.baselines),
     message:
@@ -201,6 +206,7 @@ rule flatland_baselines:
         TABLES / "flatland_baselines.parquet",
     log:
         LOGS / "flatland_baselines.log",
+    localrule: True
     message:
         "gathering the alternatives to the SCP"
     shell:
@@ -215,6 +221,7 @@ rule flatland_alternatives:
         TABLES / "flatland_alternatives.parquet",
     log:
         LOGS / "flatland_alternatives.log",
+    localrule: True
     message:
         "correlating the alternatives with the SCP"
     shell:

@@ -18,6 +18,12 @@ def all_tuples():
     ]
 
 
+def memory_of_training():
+    """MB: all pictures with their masks, read twice over, beside torch."""
+    pairs = 3 * (MASKS.data.pairs + MASKS.data.validation_pairs)
+    return 1500 + 2 * pairs * MASKS.image_size**2 * (2 * 3 + 2) // 1_000_000
+
+
 def given(option, files):
     """An option once for each file."""
     return " ".join(f"--{option} {shlex.quote(str(file))}" for file in files)
@@ -30,6 +36,7 @@ rule mask_dof:
         TABLES / "mask_dof.parquet",
     log:
         LOGS / "mask_dof.log",
+    localrule: True
     params:
         settings=digest(MASKS.robot, APARTMENT.reference),
     message:
@@ -46,7 +53,8 @@ rule mask_pairs:
     benchmark:
         BENCHMARKS / "mask_pairs" / "{split}.{part}-of-{parts}.tsv"
     resources:
-        mem_mb=1500,
+        mem_mb=growing(1500),
+        runtime=growing(15),
     params:
         settings=lambda w: digest(
             settings_of_data(CONFIG), pairs_of_job(CONFIG, w.split, int(w.part) - 1)
@@ -71,7 +79,8 @@ rule mask_training:
         BENCHMARKS / "mask_training" / "{model}.tsv"
     threads: lambda w: MASKS.model(w.model).threads
     resources:
-        mem_mb=9000,
+        mem_mb=growing(memory_of_training()),
+        runtime=growing(480),
     params:
         training=lambda w, input: given("training", input.training),
         validation=lambda w, input: given("validation", input.validation),
@@ -106,6 +115,7 @@ rule mask_curves:
         TABLES / "mask_curves.parquet",
     log:
         LOGS / "mask_curves.log",
+    localrule: True
     message:
         "gathering training curves"
     shell:
@@ -122,7 +132,8 @@ rule mask_tuples:
     benchmark:
         BENCHMARKS / "mask_tuples" / "{run}.{part}-of-{parts}.tsv"
     resources:
-        mem_mb=1500,
+        mem_mb=growing(1500),
+        runtime=growing(10),
     params:
         settings=lambda w: digest(
             settings_of_tests(CONFIG, TUPLE_RUNS[w.run]),
@@ -146,7 +157,8 @@ rule mask_model_scores:
     benchmark:
         BENCHMARKS / "mask_scores" / "{model}.tsv"
     resources:
-        mem_mb=2500,
+        mem_mb=growing(2500),
+        runtime=growing(60),
     params:
         tuples=lambda w, input: given("tuples", input.tuples),
         settings=digest(MASKS.tests),
@@ -164,6 +176,7 @@ rule mask_scores:
         TABLES / "mask_scores.parquet",
     log:
         LOGS / "mask_scores.log",
+    localrule: True
     message:
         "gathering the scores of all models"
     shell:
@@ -200,7 +213,8 @@ rule mask_discoveries:
     benchmark:
         BENCHMARKS / "mask_discoveries.tsv"
     resources:
-        mem_mb=2500,
+        mem_mb=growing(2500),
+        runtime=growing(60),
     params:
         tuples=lambda w, input: given("tuples", input.tuples),
     message:
@@ -220,7 +234,8 @@ rule mask_examples:
     log:
         LOGS / "mask_examples.log",
     resources:
-        mem_mb=2500,
+        mem_mb=growing(2500),
+        runtime=growing(30),
     params:
         tuples=lambda w, input: given("tuples", input.tuples),
     message:
@@ -238,7 +253,8 @@ rule local_scp_experiments:
     benchmark:
         BENCHMARKS / "local_scp_experiments" / "places.{part}-of-{parts}.tsv"
     resources:
-        mem_mb=1500,
+        mem_mb=growing(1500),
+        runtime=growing(20),
     params:
         settings=digest(settings_of_map(CONFIG)),
     message:
@@ -258,7 +274,8 @@ rule local_scp:
     benchmark:
         BENCHMARKS / "local_scp.tsv"
     resources:
-        mem_mb=2500,
+        mem_mb=growing(2500),
+        runtime=growing(30),
     message:
         "the local SCP at every place"
     shell:

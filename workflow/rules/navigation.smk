@@ -35,6 +35,7 @@ rule navigation_scp:
         TABLES / "navigation_scp.parquet",
     log:
         LOGS / "navigation_scp.log",
+    localrule: True
     message:
         "estimating the SCP that the action spaces are made from"
     shell:
@@ -48,6 +49,7 @@ rule navigation_action_spaces:
         TABLES / "navigation_action_spaces.parquet",
     log:
         LOGS / "navigation_action_spaces.log",
+    localrule: True
     params:
         settings=digest(
             NAVIGATION.scp_world,
@@ -74,7 +76,8 @@ rule navigation_run:
         BENCHMARKS / "navigation_run" / "{action_space}.{seed}.tsv"
     threads: 1
     resources:
-        mem_mb=1500,
+        mem_mb=growing(1500),
+        runtime=growing(40),
     params:
         settings=training(),
     message:
@@ -94,6 +97,7 @@ rule navigation_curves:
         TABLES / "navigation_curves.parquet",
     log:
         LOGS / "navigation_curves.log",
+    localrule: True
     message:
         "gathering the learning curves of all runs"
     shell:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import glob
 import os
 import tempfile
@@ -14,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from ..config import Config
-from ..errors import TableError
+from ..errors import TableError, UserError
 from ..provenance import provenance
 from .apartment import APARTMENT
 from .columns import BOOL, FLOAT, NULLABLE, TEXT, Column, Tables
@@ -45,7 +46,7 @@ def schema(name: str) -> pa.Schema:
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
-    """Give a temporary path beside `path` to write to; it gets its final name only when all went well."""
+    """Give a temporary path beside `path` to write to; it gets its final name only when all went well. Raises UserError when the disk is full."""
     path.parent.mkdir(parents=True, exist_ok=True)
     for left in path.parent.glob(f".{glob.escape(path.name)}.*.part*"):  # by a process that was killed
         left.unlink(missing_ok=True)
@@ -55,6 +56,11 @@ def written_whole(path: Path) -> Iterator[Path]:
         yield Path(temporary)
         os.chmod(temporary, 0o666 & ~_umask())
         os.replace(temporary, path)
+    except (OSError, RuntimeError) as error:  # HDF5's errors are no OSErrors
+        full = next((os.strerror(number) for number in (errno.ENOSPC, errno.EDQUOT) if os.strerror(number) in str(error)), None)
+        if full is None:
+            raise
+        raise UserError(f"{path}: cannot be written: {full}; make room, and run the workflow again") from None
     finally:
         Path(temporary).unlink(missing_ok=True)
 
