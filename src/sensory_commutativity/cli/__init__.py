@@ -57,6 +57,7 @@ for _command in (
     figures.paper_comparison,
     runs.checksums,
     runs.compare,
+    runs.crate,
     runs.provenance,
     runs.verify,
     settings.resolve,

@@ -113,3 +113,15 @@ def verify(run: Path, remove: bool) -> None:
         ended = "if a run has not ended, run the workflow to its end; else " if any(bad.verdict == "changed" for bad in found.bad) else ""
         click.echo(f"{ended}sensory-commutativity verify {run} --remove deletes what is bad; then run the workflow again")
     raise SystemExit(1)
+
+
+@click.command()
+@click.argument("run", type=FOLDER)
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="ZIP file to write.")
+@click.option("--with-data", is_flag=True, help="Put in the raw data too, which no figure needs.")
+def crate(run: Path, out: Path, with_data: bool) -> None:
+    """Write RUN (a folder like results/default) as a Workflow Run RO-Crate, for an archive: settings, tables, models, figures and the workflow."""
+    from ..runs.crate import write_crate
+
+    n = write_crate(run, out, with_data)
+    click.echo(f"{out}: {n:,} files, {out.stat().st_size / 1e6:.1f} MB")
