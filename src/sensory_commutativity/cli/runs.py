@@ -100,7 +100,8 @@ def verify(run: Path, remove: bool) -> None:
     for folder, n in sorted(found.absent.items()):
         click.echo(f"{run / folder}: {'raw data' if folder == 'data' else 'models'} not here ({n:,} files)")
     unknown = f", {found.unknown:,} of kinds that cannot be checked" if found.unknown else ""
-    click.echo(f"{len(found.bad):,} bad files; {found.recorded:,} as their checksums say, {found.read:,} without one can be read{unknown}")
+    files = "file" if len(found.bad) == 1 else "files"
+    click.echo(f"{len(found.bad):,} bad {files}; {found.recorded:,} as their checksums say, {found.read:,} without one can be read{unknown}")
     if not found.bad:
         return
     if remove:
