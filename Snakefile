@@ -18,6 +18,7 @@ include: "workflow/rules/apartment.smk"
 include: "workflow/rules/masks.smk"
 include: "workflow/rules/navigation.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/runs.smk"
 
 
 report: "workflow/report/workflow.rst"
@@ -31,3 +32,4 @@ rule all:
     default_target: True
     input:
         figures(),
+        CHECKSUMS,

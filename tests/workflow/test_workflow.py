@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,6 +16,8 @@ import pytest
 
 from sensory_commutativity.config import load
 from sensory_commutativity.figures.catalogue import ARRAYS, FIGURES, source_file
+from sensory_commutativity.runs.checksums import FOLDERS, MANIFEST, read_manifest
+from sensory_commutativity.runs.verify import verify_run
 from sensory_commutativity.tables import TABLES, read_table
 
 from .running import ENVIRONMENT, command, copy_workflow, hashes, snakemake
@@ -72,6 +75,29 @@ def test_tables_say_where_they_come_from(finished: Path) -> None:
         assert metadata[b"table"].decode() == path.stem
         assert metadata[b"config_sha256"].decode() == config.digest()
         assert metadata[b"root_seed"].decode() == str(config.seed)
+
+
+def test_the_checksums_are_of_everything_and_the_run_is_right(finished: Path) -> None:
+    results = finished / "results" / "test"
+    manifest = read_manifest(results / MANIFEST)
+    made = {path.relative_to(results).as_posix() for folder in FOLDERS for path in (results / folder).rglob("*") if path.is_file()}
+    assert set(manifest.hashes) == made and not manifest.wrong
+    found = verify_run(results)
+    assert not found.bad and found.recorded == len(made)
+
+
+def test_without_its_checksums_a_run_makes_anew_whatever_is_missing(finished: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "copy"
+    shutil.copytree(finished, folder)  # with its times
+    results = folder / "results" / "test"
+    kinds = {path.parent: path for place in ("data", "models") for path in sorted((results / place).rglob("*")) if path.is_file()}
+    assert len(kinds) > 10
+    for path in (results / MANIFEST, *kinds.values()):
+        path.unlink()
+    run = subprocess.run([*command()[:3], "--cores", "1", "--dry-run"], cwd=folder, env=ENVIRONMENT, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    missing = [path for path in kinds.values() if str(path.relative_to(folder)) not in run.stdout]
+    assert not missing, f"checksums does not ask for {missing}"
 
 
 def test_a_second_run_does_nothing(finished: Path) -> None:

@@ -8,7 +8,12 @@ from pathlib import Path
 from sensory_commutativity import __version__
 from sensory_commutativity.config import LEARNED, validate, write_resolved
 from sensory_commutativity.errors import UserError
-from sensory_commutativity.figures.catalogue import COMPARED, FIGURES, source_file
+from sensory_commutativity.figures.catalogue import (
+    ARRAYS,
+    COMPARED,
+    FIGURES,
+    source_file,
+)
 from sensory_commutativity.folders import check_writable, hold
 from sensory_commutativity.masks.from_config import (
     check_masks,
@@ -23,6 +28,8 @@ from sensory_commutativity.masks.from_config import (
     tuple_runs,
 )
 from sensory_commutativity.navigation.from_config import check_navigation
+from sensory_commutativity.runs.checksums import MANIFEST
+from sensory_commutativity.tables import TABLES as SCHEMAS
 from sensory_commutativity.worlds.apartment.from_config import (
     check_apartment,
     contents,
@@ -50,6 +57,7 @@ TABLES = RESULTS / "tables"
 DRAWN = RESULTS / "figures"
 LOGS = RESULTS / "logs"
 BENCHMARKS = RESULTS / "benchmarks"
+CHECKSUMS = RESULTS / MANIFEST
 RESOLVED = (
     RESULTS / "config.yaml"
 )  # no rule's input: what a rule depends on is in its params

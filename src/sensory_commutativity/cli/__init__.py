@@ -23,8 +23,8 @@ def main() -> None:
     """Play the same actions in two orders from the same start. Did the sensors end equal?
 
     Commands named after a table write that table; `check` tries a configuration; `figure` and `animation` draw;
-    `provenance` says where a file comes from, `compare` how two runs differ. The workflow calls them in the
-    right order: run `make`, or `snakemake --cores all`.
+    `provenance` says where a file comes from, `compare` how two runs differ, `verify` whether a run is as it was made.
+    The workflow calls them in the right order: run `make`, or `snakemake --cores all`.
     """
 
 
@@ -55,8 +55,11 @@ for _command in (
     navigation.navigation_scp,
     *navigation.FROM_TABLES,
     figures.paper_comparison,
+    runs.checksums,
     runs.compare,
+    runs.crate,
     runs.provenance,
+    runs.verify,
     settings.resolve,
     settings.schema,
 ):

@@ -1,4 +1,4 @@
-"""Commands on finished runs: where a file comes from, and how two runs differ."""
+"""Commands on finished runs: where a file comes from, how two runs differ, and whether one is as it was made."""
 
 from __future__ import annotations
 
@@ -68,3 +68,61 @@ def compare(run_a: Path, run_b: Path) -> None:
     click.echo(f"\n{len(found)} tables: {same} identical, {len(found) - same - len(bad)} within what chance does, {len(bad)} to look at")
     if bad:
         raise SystemExit(1)
+
+
+@click.command()
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="File to write, in the run's folder.")
+def checksums(out: Path) -> None:
+    """Write the SHA-256 of every file of the run in whose folder OUT lies, as `sha256sum -c` reads them.
+
+    A file that was not written since OUT was last written keeps its line, so that damage is not taken for what the run made.
+    """
+    from ..runs.checksums import write_manifest
+
+    made, kept = write_manifest(out)
+    click.echo(f"{out}: {made:,} checksums made, {kept:,} kept", err=True)
+
+
+@click.command()
+@click.argument("run", type=FOLDER)
+@click.option("--remove", is_flag=True, help="Delete what is bad, so that the workflow makes it anew.")
+def verify(run: Path, remove: bool) -> None:
+    """Is RUN (a folder like results/default) as it was made? Names every file that is damaged, missing or changed.
+
+    Files are held against the checksums that the workflow writes when it ends; those without one are read from end to end. The exit code is 1 if
+    something is bad.
+    """
+    from ..runs.verify import remove_bad, verify_run
+
+    found = verify_run(run)
+    for bad in found.bad:
+        click.echo(f"{run / bad.path}: {bad.verdict}: {bad.why}")
+    for folder, n in sorted(found.absent.items()):
+        click.echo(f"{run / folder}: {'raw data' if folder == 'data' else 'models'} not here ({n:,} files)")
+    unknown = f", {found.unknown:,} of kinds that cannot be checked" if found.unknown else ""
+    files = "file" if len(found.bad) == 1 else "files"
+    click.echo(f"{len(found.bad):,} bad {files}; {found.recorded:,} as their checksums say, {found.read:,} without one can be read{unknown}")
+    if not found.bad:
+        return
+    if remove:
+        for name in remove_bad(run, found):
+            click.echo(f"{run / name}: deleted")
+        click.echo("run the workflow again: it makes anew what is missing, and what depends on it")
+    elif "data" in found.absent:
+        click.echo("take the bad files anew from where this run comes from")
+    else:
+        ended = "if a run has not ended, run the workflow to its end; else " if any(bad.verdict == "changed" for bad in found.bad) else ""
+        click.echo(f"{ended}sensory-commutativity verify {run} --remove deletes what is bad; then run the workflow again")
+    raise SystemExit(1)
+
+
+@click.command()
+@click.argument("run", type=FOLDER)
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="ZIP file to write.")
+@click.option("--with-data", is_flag=True, help="Put in the raw data too, which no figure needs.")
+def crate(run: Path, out: Path, with_data: bool) -> None:
+    """Write RUN (a folder like results/default) as a Workflow Run RO-Crate, for an archive: settings, tables, models, figures and the workflow."""
+    from ..runs.crate import write_crate
+
+    n = write_crate(run, out, with_data)
+    click.echo(f"{out}: {n:,} files, {out.stat().st_size / 1e6:.1f} MB")
