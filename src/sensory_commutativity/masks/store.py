@@ -6,6 +6,7 @@ Every array lies in chunks of one row, compressed, so that any row can be read a
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -48,11 +49,14 @@ class Pairs(NamedTuple):
 
 def write_arrays(path: Path, content: str, arrays: Mapping[str, np.ndarray], about: Mapping[str, str]) -> None:
     """Write named arrays; `content` says what they are, `about` where they come from (names and texts)."""
-    with written_whole(path) as temporary, h5py.File(temporary, "w") as file:
+    whole = io.BytesIO()  # HDF5 itself says much, and unclearly, where a disk is full
+    with h5py.File(whole, "w") as file:
         for name, array in arrays.items():
             chunks = (1, *array.shape[1:]) if array.ndim > 2 and len(array) else None
             file.create_dataset(name, data=array, chunks=chunks, compression="lzf" if chunks else None, track_times=False)
         file.attrs.update(format=FORMAT, content=content, sha256=_digest(arrays), **about)
+    with written_whole(path) as temporary:
+        temporary.write_bytes(whole.getbuffer())
 
 
 def read_arrays(path: Path, content: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:

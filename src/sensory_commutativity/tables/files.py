@@ -56,11 +56,10 @@ def written_whole(path: Path) -> Iterator[Path]:
         yield Path(temporary)
         os.chmod(temporary, 0o666 & ~_umask())
         os.replace(temporary, path)
-    except (OSError, RuntimeError) as error:  # HDF5's errors are no OSErrors
-        full = next((os.strerror(number) for number in (errno.ENOSPC, errno.EDQUOT) if os.strerror(number) in str(error)), None)
-        if full is None:
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT):
             raise
-        raise UserError(f"{path}: cannot be written: {full}; make room, and run the workflow again") from None
+        raise UserError(f"{path}: cannot be written: {os.strerror(error.errno)}; make room, and run the workflow again") from None
     finally:
         Path(temporary).unlink(missing_ok=True)
 
