@@ -39,7 +39,7 @@ rule apartment_ready:
         LOGS / "apartment_ready" / "{robot}.{scene}.{start}.log",
     priority: 1000  # before all else: what is missing should be told before the long work
     resources:
-        mem_mb=growing(1500),
+        mem_mb=growing(2500),
         runtime=growing(10),
     params:
         settings=lambda w: digest(settings_of_start(CONFIG, w.robot, w.scene, w.start)),
@@ -69,7 +69,7 @@ rule apartment_experiments_part:
         )
     threads: 1
     resources:
-        mem_mb=growing(1500),
+        mem_mb=growing(2500),
         runtime=growing(20),
     params:
         settings=apartment_run,

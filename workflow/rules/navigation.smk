@@ -76,7 +76,7 @@ rule navigation_run:
         BENCHMARKS / "navigation_run" / "{action_space}.{seed}.tsv"
     threads: 1
     resources:
-        mem_mb=growing(1500),
+        mem_mb=growing(2000),
         runtime=growing(40),
     params:
         settings=training(),
