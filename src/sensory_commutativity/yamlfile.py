@@ -61,7 +61,7 @@ class _Loader(yaml.SafeLoader):
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
         try:
             return super().construct_object(node, deep)
-        except (ValueError, KeyError, AttributeError):  # a date of month 13, a number of thousands of digits, and the like
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):  # a date of month 13, a number without digits, and the like
             kind = node.tag.rpartition(":")[2]
             problem = f"{node.value!s:.40} is no value of the type {kind}; put it in quotes if it is meant as text"
             raise _RefusedError(problem=problem, problem_mark=node.start_mark) from None

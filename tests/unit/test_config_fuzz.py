@@ -19,6 +19,7 @@ from sensory_commutativity.yamlfile import DEEPEST, MOST_BYTES, MOST_VALUES, rea
 from ..helpers import DEFAULT
 
 EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "200"))
+"""Of each kind; FUZZ_EXAMPLES=5000 looks further."""
 
 SETTINGS = load(DEFAULT).model_dump(mode="json")
 
@@ -152,6 +153,8 @@ STRANGE = {
     "an infinite number": (b"seed: 1.0e+400", "config.seed: inf"),
     "a date that is none": (b"seed: 2020-99-99", "no value of the type timestamp"),
     "a number that is none": (b"seed: !!int x", "no value of the type int"),
+    "a number without digits": (b"seed: !!int ", "no value of the type int"),
+    "a date beyond all time": (b"seed: 0001-01-01 00:00:00 +23:00", "config.seed"),
     "digits of no number": (b"seed: 0x_", "no value of the type int"),
     "a truth that is none": (b"seed: !!bool x", "no value of the type bool"),
     "a set": (b"seed: !!set {a, b}", "config.seed"),
