@@ -32,7 +32,10 @@ def save_state(path: Path, state: dict[str, Any]) -> None:
 
 
 def load_state(path: Path, remedy: str) -> dict[str, Any]:
-    """Read what :func:`save_state` wrote. Raises CheckpointError, with the remedy, when the file is missing or damaged."""
+    """Read what :func:`save_state` wrote. Raises CheckpointError, with the remedy, when the file is missing, damaged, or holds anything else.
+
+    The hash tells damage, not who wrote the file: torch must refuse what would run code.
+    """
     try:
         data = path.read_bytes()
     except FileNotFoundError:
@@ -40,7 +43,10 @@ def load_state(path: Path, remedy: str) -> dict[str, Any]:
     digest, payload = data[:DIGEST], data[DIGEST:]
     if hashlib.sha256(payload).digest() != digest:
         raise CheckpointError(f"{path}: a damaged file; delete it, and {remedy}")
-    return torch.load(io.BytesIO(payload), map_location="cpu", weights_only=True)
+    try:
+        return torch.load(io.BytesIO(payload), map_location="cpu", weights_only=True)
+    except Exception as error:  # whatever torch raises for bytes that it did not write, or will not read
+        raise CheckpointError(f"{path}: holds more than tensors, numbers and text ({type(error).__name__}); delete it, and {remedy}") from None
 
 
 class Checkpoint:

@@ -1,4 +1,4 @@
-"""Where files go: can results be written where they should (asked before any work is done), by whom, and where is kept what is made or fetched once?"""
+"""Where files go: can results be written where they should (asked before any work is done), by whom, and where what is made or fetched once?"""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sensory_commutativity import __version__
 from sensory_commutativity.config import LEARNED, validate, write_resolved
-from sensory_commutativity.errors import UserError
+from sensory_commutativity.errors import ConfigError, UserError
 from sensory_commutativity.figures.catalogue import (
     ARRAYS,
     COMPARED,
@@ -38,8 +38,12 @@ from sensory_commutativity.worlds.apartment.from_config import (
 )
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
 from sensory_commutativity.worlds.flatland.from_config import check_rooms
+from sensory_commutativity.yamlfile import read_yaml
 
 try:
+    # Snakemake takes the last of two equal keys without a word
+    for file in workflow.configfiles:
+        read_yaml(file, ConfigError, "a config file, e.g. config/default.yaml")
     CONFIG = validate(config)
     check_writable(CONFIG.folder)
     check_rooms(CONFIG)
@@ -47,7 +51,7 @@ try:
     check_masks(CONFIG)
     check_navigation(CONFIG)
 except UserError as error:
-    print(f"error: {error}", file=sys.stderr)
+    print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
     sys.exit(2)
 
 RESULTS = CONFIG.folder

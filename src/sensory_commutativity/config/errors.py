@@ -10,21 +10,35 @@ from pydantic import BaseModel, ValidationError
 
 from ..errors import ConfigError
 
+LARGEST = 10**300
+"""Whole numbers beyond it become infinite where they are calculated with."""
+
 
 def refuse_what_json_has_not(value: Any, key: str) -> None:
-    """YAML knows dates, infinities and keys that are no text; a configuration may not hold them."""
+    """YAML knows dates, infinities, numbers without end, keys that are no text and texts that no file can hold; a configuration may not hold them."""
     if isinstance(value, dict):
         for name, inner in value.items():
             if not isinstance(name, str):
-                raise ConfigError(f"{key}: the key {name!r} is no text; put it in quotes or remove it")
-            refuse_what_json_has_not(inner, f"{key}.{name}")
+                raise ConfigError(f"{key}: the key {_short(name)} is no text; put it in quotes or remove it")
+            _refuse_strange_text(name, f"{key}: the key")
+            refuse_what_json_has_not(inner, f"{key}.{_line(name)}")
     elif isinstance(value, list):
         for i, inner in enumerate(value):
             refuse_what_json_has_not(inner, f"{key}.{i}")
     elif not (value is None or isinstance(value, str | bool | int | float)):
-        raise ConfigError(f"{key}: {value!r} is a {type(value).__name__}; put it in quotes if it is meant as text")
+        raise ConfigError(f"{key}: {_short(value)} is a {type(value).__name__}; put it in quotes if it is meant as text")
+    elif isinstance(value, str):
+        _refuse_strange_text(value, f"{key}:")
+    elif isinstance(value, int) and abs(value) > LARGEST:
+        raise ConfigError(f"{key}: a number of {value.bit_length()} bits is too large; set a smaller one")
     elif isinstance(value, float) and not math.isfinite(value):
         raise ConfigError(f"{key}: {value!r} is not a finite number; set a finite one, or null where the key allows it")
+
+
+def _refuse_strange_text(text: str, where: str) -> None:
+    """Half a character (a lone surrogate) cannot be written, and no name of a file holds a zero byte."""
+    if "\0" in text or any("\ud800" <= letter <= "\udfff" for letter in text):
+        raise ConfigError(f"{where} {_short(text)} holds a zero byte or half a character; take it out")
 
 
 def explain(error: ValidationError, root: type[BaseModel]) -> str:
@@ -51,7 +65,10 @@ def _line(key: str) -> str:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
+    try:
+        text = repr(value)
+    except ValueError:  # Python writes no whole number of more than 4300 digits
+        text = f"a {type(value).__name__} of very many digits"
     return text if len(text) <= 60 else text[:57] + "..."
 
 

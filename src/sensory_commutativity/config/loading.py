@@ -11,6 +11,7 @@ import yaml
 from pydantic import ValidationError
 
 from ..errors import ConfigError
+from ..yamlfile import read_yaml
 from .errors import explain, refuse_what_json_has_not
 from .flatland import AgentConfig
 from .whole import Config
@@ -40,16 +41,7 @@ def load(*files: str | Path) -> Config:
     """Read YAML files, each laid over the ones before, and check the result. Raises ConfigError."""
     settings: dict[str, Any] = {}
     for file in files:
-        try:
-            layer = yaml.safe_load(Path(file).read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            raise ConfigError(f"{file}: there is no such file; give the path of a config file, e.g. config/default.yaml") from None
-        except (OSError, UnicodeDecodeError) as error:
-            raise ConfigError(f"{file}: cannot be read ({error}); give the path of a readable YAML file") from None
-        except yaml.YAMLError as error:
-            mark = getattr(error, "problem_mark", None)
-            where = f" in line {mark.line + 1}" if mark else ""
-            raise ConfigError(f"{file}: not valid YAML{where}; check indentation, brackets and quotes there") from None
+        layer = read_yaml(file, ConfigError, "a config file, e.g. config/default.yaml")
         if not isinstance(layer, dict):
             raise ConfigError(f"{file}: expected a mapping of keys to values at the top; see config/README.md")
         settings = merge(settings, layer)

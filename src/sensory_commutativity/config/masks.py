@@ -52,7 +52,7 @@ class MapConfig(Section):
     """The local SCP over a floor (paper: 10 SC-experiments of 100 steps at each place, in Rs)."""
 
     scene: Name = Field(description="A key of apartment.scenes.")
-    spacing: float = Field(0.4, gt=0, le=10, description="Metres between places.")
+    spacing: float = Field(0.4, ge=0.05, le=10, description="Metres between places.")
     headings: int = Field(4, ge=1, le=360, description="Directions that the robot faces at each place, evenly spread.")
     experiments: int = Field(10, ge=1, le=100_000, description="SC-experiments at each place and heading.")
     sequence_length: int = Field(100, ge=1, le=2000, description="Actions in a sequence.")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Annotated
 
-from pydantic import Field, StringConstraints, model_validator
+from pydantic import Field, StringConstraints, field_validator, model_validator
 
 from .apartment import ApartmentConfig
 from .flatland import FlatlandConfig
@@ -21,7 +21,7 @@ class Config(Section):
 
     profile: Name = Field(description="Name of the run; results lie in a folder of this name.")
     results: Annotated[str, StringConstraints(pattern=r"^[^{}~*?\x00-\x1f]+$")] = Field(
-        "results", max_length=200, description="Folder that holds the results of all profiles; no braces, wildcards or ~ in its name."
+        "results", max_length=200, description="Folder that holds the results of all profiles; no braces, wildcards, ~ or .. in its name."
     )
     seed: int = Field(ge=0, lt=2**63, description="The root seed; everything random follows from it.")
     flatland: FlatlandConfig
@@ -64,6 +64,14 @@ class Config(Section):
                 f"{apartment.reference.robot!r}; set the same"
             )
         return self
+
+    @field_validator("results")
+    @classmethod
+    def _results_are_where_it_says(cls, results: str) -> str:
+        """``a/../b`` is not ``b`` where ``a`` is a link or not there yet, and a command takes ``-a`` for an option."""
+        if ".." in PurePath(results).parts or results.startswith("-"):
+            raise ValueError(f"{results!r} has a part '..' or begins with '-'; write the folder's whole path, from / if it lies elsewhere")
+        return results
 
     @property
     def folder(self) -> Path:

@@ -115,15 +115,16 @@ def load_predictor(path: Path, expected: str | None = None, device: str = "cpu")
         raise PredictorError(f"{path}: no mask predictor, or one of another version; train it: run the workflow")
     if expected is not None and state["name"] != expected:
         raise PredictorError(f"{path}: holds the model {state['name']!r}, not {expected!r}; give the file of that model")
-    if state["name"] == UNTRAINED:
-        return MaskPredictor(UNTRAINED, None, Rule(*state["rule"]), field_of_view=state["field_of_view"])
     try:
+        rule, field_of_view = Rule(*state["rule"]), state["field_of_view"]
+        if state["name"] == UNTRAINED:
+            return MaskPredictor(UNTRAINED, None, rule, field_of_view=field_of_view)
         model = MODELS[state["name"]](**state["architecture"])
         model.load_state_dict({key: value.float() if value.is_floating_point() else value for key, value in state["weights"].items()})
-    except (RuntimeError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, RuntimeError, TypeError, ValueError) as error:
         first = (str(error).splitlines() or ["?"])[0][:100]
         raise PredictorError(f"{path}: weights of another architecture than this version's {state['name']!r} ({first}); train it anew") from None
-    return MaskPredictor(state["name"], model, Rule(*state["rule"]), device, state["field_of_view"])
+    return MaskPredictor(state["name"], model, rule, device, field_of_view)
 
 
 def checked(pictures: np.ndarray) -> np.ndarray:

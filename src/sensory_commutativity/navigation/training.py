@@ -42,6 +42,8 @@ def settings_of_run(config: Config, scales: Mapping[str, float]) -> str:
 
 def policy_of_run(config: Config, model: dict[str, Any], where: str) -> RecurrentActorCriticPolicy:
     """The trained policy that a run left as `model` in the file `where`. Raises CheckpointError when it was trained with other settings."""
+    if not isinstance(model, dict) or not {"settings", "scales", "policy"} <= set(model):
+        raise CheckpointError(f"{where}: no trained policy; run the workflow")
     if model["settings"] != settings_of_run(config, model["scales"]):
         raise CheckpointError(f"{where}: a policy that was trained with other settings; run the workflow, or give the configuration of that run")
     environment = navigation_rooms(config, 1, model["scales"])

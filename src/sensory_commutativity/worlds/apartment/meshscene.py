@@ -17,6 +17,7 @@ from ...config.section import Name, Section
 from .geometry import coloured_from_file
 from .scene import Area, Fixture, Mesh, Part, Scene, SceneError, Solid, Vector
 from .scenefile import ObjectDescription, Pair, no_name_twice, put_down
+from .urdf import MESH_FORMATS
 
 LEVEL = 0.95
 """Cosine of the slope up to which a face is level; chosen: 18 degrees, since scans are not even."""
@@ -62,6 +63,8 @@ def build_mesh_scene(settings: MeshScene, path: Path) -> Scene:
     where, file = str(path), path.parent / settings.mesh
     if not file.is_file():
         raise SceneError(f"{where}: mesh: there is no file {settings.mesh!r}; give a path relative to {path.parent}")
+    if file.suffix.lower() not in MESH_FORMATS:  # trimesh would also unpack archives and load what further packages read
+        raise SceneError(f"{where}: mesh: {settings.mesh!r}; formats that can be read are {', '.join(MESH_FORMATS)}")
     if any(thing.stands_on for thing in settings.objects):
         raise SceneError(
             f"{where}: objects: a mesh has no furniture with names, so nothing can stand on it by name (stands_on); give x, y and height instead"

@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import yaml
 from pydantic import Field, ValidationError
 
 from ...config.errors import explain, refuse_what_json_has_not
 from ...config.section import Name, Section
 from ...errors import ConfigError
+from ...yamlfile import read_yaml
 from ..base import Dof
 from .urdf import Joint, RobotError, Urdf, find_file, read_urdf
 
@@ -161,16 +161,7 @@ class Robot:
 def load_robot(file: str | Path) -> Robot:
     """Read a robot's description and its URDF. Raises RobotError with one line that names the file, the key and the remedy."""
     path = Path(file)
-    try:
-        settings = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise RobotError(f"{path}: there is no such file; give the path of a robot's description, e.g. config/robots/fetch.yaml") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise RobotError(f"{path}: cannot be read ({error}); give the path of a readable YAML file") from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f" in line {mark.line + 1}" if mark else ""
-        raise RobotError(f"{path}: not valid YAML{where}; check indentation, brackets and quotes there") from None
+    settings = read_yaml(path, RobotError, "a robot's description, e.g. config/robots/fetch.yaml")
     return robot_from(settings, path.parent, str(path))
 
 

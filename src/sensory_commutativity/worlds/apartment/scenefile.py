@@ -10,18 +10,20 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-import yaml
 from pydantic import Field, ValidationError
 
 from ...config.errors import explain, refuse_what_json_has_not
 from ...config.section import Name, Section
 from ...errors import ConfigError
+from ...yamlfile import read_yaml
 from .objects import OBJECTS, make
 from .scene import Movable, Scene, SceneError
 
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 SizeTriple = Annotated[list[Annotated[float, Field(gt=0)]], Field(min_length=3, max_length=3)]
 Colour = Annotated[list[Annotated[float, Field(ge=0, le=1)]], Field(min_length=3, max_length=3)]
+WANTED = "a scene, e.g. config/apartments/rs-stand-in.yaml"
+"""What messages ask for."""
 AnySection = TypeVar("AnySection", bound=Section)
 
 
@@ -42,17 +44,7 @@ def load_scene(file: str | Path) -> Scene:
     from .meshscene import MeshScene, build_mesh_scene
 
     path = Path(file)
-    try:
-        settings = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise SceneError(f"{path}: there is no such file; give the path of a scene, e.g. config/apartments/rs-stand-in.yaml") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path}: cannot be read ({error}); give the path of a readable YAML file") from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        raise SceneError(
-            f"{path}: not valid YAML{f' in line {mark.line + 1}' if mark else ''}; check indentation, brackets and quotes there"
-        ) from None
+    settings = read_yaml(path, SceneError, WANTED)
     kind = settings.get("kind") if isinstance(settings, dict) else None
     if kind == "floor-plan":
         return build_floor_plan(_parsed(FloorPlan, settings, path), path)
@@ -64,7 +56,7 @@ def load_scene(file: str | Path) -> Scene:
 def scene_files(file: str | Path) -> list[Path]:
     """All files that a scene which can be loaded is made from: its YAML file and, if it has one, its mesh."""
     path = Path(file)
-    mesh = yaml.safe_load(path.read_text(encoding="utf-8")).get("mesh")
+    mesh = read_yaml(path, SceneError, WANTED).get("mesh")
     return [path] if mesh is None else [path, path.parent / mesh]
 
 

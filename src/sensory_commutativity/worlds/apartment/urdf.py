@@ -97,11 +97,22 @@ def find_file(name: str, folder: Path) -> Path | None:
         package, _, rest = name.removeprefix("package://").partition("/")
         above = [folder, *folder.parents]
         candidates = [place / package / rest for place in above] + [place / rest for place in above if place.name == package]
-        spec = importlib.util.find_spec(package) if package.isidentifier() else None
-        candidates += [Path(place) / rest for place in (spec.submodule_search_locations or [] if spec else [])]
+        candidates += [place / rest for place in _installed(package)]
     else:
         candidates = [folder / name.removeprefix("file://")]
-    return next((candidate for candidate in candidates if candidate.is_file()), None)
+    try:
+        return next((candidate for candidate in candidates if candidate.is_file()), None)
+    except OSError:  # a name that is too long for a file
+        return None
+
+
+def _installed(package: str) -> list[Path]:
+    """Folders of an installed Python package, which is not imported."""
+    try:
+        spec = importlib.util.find_spec(package) if package.isidentifier() else None
+    except ValueError:  # __main__
+        return []
+    return [Path(place) for place in (spec.submodule_search_locations or [] if spec else [])]
 
 
 def read_urdf(path: Path) -> Urdf:
@@ -112,6 +123,8 @@ def read_urdf(path: Path) -> Urdf:
         robot = ET.fromstring(path.read_bytes())
     except ET.ParseError as error:
         raise RobotError(f"{path}: not valid XML in line {error.position[0]}; mend the URDF there") from None
+    except (LookupError, ValueError) as error:
+        raise RobotError(f"{path}: its encoding cannot be read ({error}); save the URDF as UTF-8") from None
     if robot.tag != "robot":
         raise RobotError(f"{path}: the outermost element is <{robot.tag}>, not <robot>; name a URDF file")
     if any("xacro" in element.tag for element in robot.iter()):
