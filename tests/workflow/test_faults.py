@@ -6,13 +6,14 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
-from .running import ENVIRONMENT, command, copy_workflow, digests, in_its_place, snakemake
+from .running import ENVIRONMENT, command, copy_workflow, digests, hashes, in_its_place, snakemake
 
 RESULTS = Path("results", "test")
 PART = RESULTS / "data" / "flatland_commutation" / "furnished.1-of-2.parquet"
@@ -23,6 +24,14 @@ OF_EACH_KIND = (
     RESULTS / "figures" / "flatland_world.png",
 )
 """Files of each kind that take little work."""
+DAMAGED = {
+    RESULTS / "data" / "flatland_baselines" / "head.parquet": "flipped",
+    RESULTS / "data" / "mask_tuples" / "as-trained.1-of-2.h5": "truncated",
+    RESULTS / "models" / "masks" / "difference.predictor": "flipped",
+    RESULTS / "tables" / "navigation_profiles.parquet": "truncated",
+    RESULTS / "figures" / "flatland_world.png": "flipped",
+}
+"""Finished outputs, and what becomes of them."""
 SLOWLY = 'touch begun; sleep 5; exec "$@"'
 
 
@@ -56,6 +65,38 @@ def test_workers_killed_while_they_write_files_of_each_kind(finished: Path, tmp_
         assert digests(folder, whole) == digests(finished, whole)
     assert runs > 1 and {kind.name for kind in kinds.iterdir()} >= {".parquet", ".h5", ".predictor", ".png"}
     expect_equal(finished, folder, OF_EACH_KIND)
+
+
+def damage(path: Path, how: str) -> None:
+    """Cut a file in half, or turn one bit in its middle over."""
+    data = bytearray(path.read_bytes())
+    if how == "truncated":
+        del data[len(data) // 2 :]
+    else:
+        data[len(data) // 2] ^= 1
+    path.write_bytes(data)
+
+
+def verify(folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    program = Path(sys.executable).parent / "sensory-commutativity"
+    return subprocess.run([program, "verify", RESULTS, *options], cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=300)
+
+
+def test_finished_files_that_were_damaged_are_named_and_made_anew(finished: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(finished, tmp_path / "damaged")
+    assert verify(folder).returncode == 0
+    before = hashes(folder / RESULTS / "tables")
+    for file, how in DAMAGED.items():
+        damage(folder / file, how)
+    found = verify(folder)
+    assert found.returncode == 1
+    assert {Path(line.split(":")[0]) for line in found.stdout.splitlines() if ": damaged: " in line or ": changed: " in line} == set(DAMAGED)
+    verify(folder, "--remove")
+    run = snakemake(folder, "--cores", "2")
+    assert run.returncode == 0, run.stderr
+    expect_equal(finished, folder, DAMAGED)
+    assert hashes(folder / RESULTS / "tables") == before
+    assert verify(folder).returncode == 0
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="a small disk is mounted, which needs root")

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from sensory_commutativity import __version__
+from sensory_commutativity.checks import check_run
 from sensory_commutativity.config import LEARNED, validate, write_resolved
 from sensory_commutativity.errors import ConfigError, UserError
 from sensory_commutativity.figures.catalogue import (
@@ -14,9 +15,8 @@ from sensory_commutativity.figures.catalogue import (
     FIGURES,
     source_file,
 )
-from sensory_commutativity.folders import check_writable, hold
+from sensory_commutativity.folders import hold
 from sensory_commutativity.masks.from_config import (
-    check_masks,
     experiments_of_job,
     map_jobs,
     pairs_of_job,
@@ -27,17 +27,14 @@ from sensory_commutativity.masks.from_config import (
     tuple_jobs,
     tuple_runs,
 )
-from sensory_commutativity.navigation.from_config import check_navigation
 from sensory_commutativity.runs.checksums import MANIFEST
 from sensory_commutativity.tables import TABLES as SCHEMAS
 from sensory_commutativity.worlds.apartment.from_config import (
-    check_apartment,
     contents,
     settings_of_run,
     settings_of_start,
 )
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
-from sensory_commutativity.worlds.flatland.from_config import check_rooms
 from sensory_commutativity.yamlfile import read_yaml
 
 try:
@@ -45,11 +42,8 @@ try:
     for file in workflow.configfiles:
         read_yaml(file, ConfigError, "a config file, e.g. config/default.yaml")
     CONFIG = validate(config)
-    check_writable(CONFIG.folder)
-    check_rooms(CONFIG)
-    check_apartment(CONFIG)
-    check_masks(CONFIG)
-    check_navigation(CONFIG)
+    if workflow.is_main_process:  # not again before every job of a cluster
+        check_run(CONFIG)
 except UserError as error:
     print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
     sys.exit(2)

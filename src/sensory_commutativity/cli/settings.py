@@ -15,18 +15,10 @@ from .common import with_out
 @click.argument("files", nargs=-1, required=True)
 def check(files: tuple[str, ...]) -> None:
     """Check config FILES, each laid over the ones before: settings, the folder for results, robots, scenes, and that things fit into their rooms."""
-    from ..folders import check_writable
-    from ..masks.from_config import check_masks
-    from ..navigation.from_config import check_navigation
-    from ..worlds.apartment.from_config import check_apartment
-    from ..worlds.flatland.from_config import check_rooms
+    from ..checks import check_run
 
     config = load(*files)
-    check_writable(config.folder)
-    check_rooms(config)
-    check_apartment(config)
-    check_masks(config)
-    check_navigation(config)
+    check_run(config)
     runs = config.flatland.runs()
     n = sum(run.experiments for run in runs)
     there = config.apartment.runs()

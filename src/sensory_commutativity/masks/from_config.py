@@ -7,18 +7,18 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-import pandas as pd
-
 from ..config import Config, ModelName
 from ..errors import ConfigError
 from ..mapping.places import Place, places
 from ..seeding import generator, seed_for
-from ..worlds.apartment.camera import Camera
 from ..worlds.apartment.from_config import contents, scene_of
 from ..worlds.apartment.objects import Family
 from ..worlds.apartment.robot import Robot, load_robot, with_fixed
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # the workflow reads this module before every job: nothing heavy
+    import pandas as pd
+
+    from ..worlds.apartment.camera import Camera
     from .household import Household
     from .training import Recipe
 
@@ -91,6 +91,8 @@ def robot_of_masks(config: Config) -> Robot:
 
 def cameras_of_masks(config: Config, fields_of_view: Sequence[float]) -> list[Camera]:
     """A camera for each field of view, degrees."""
+    from ..worlds.apartment.camera import Camera
+
     size = config.masks.image_size
     return [Camera(size, size, view, config.apartment.supersampling) for view in fields_of_view]
 

@@ -17,7 +17,6 @@ from ...perceptual.features import PerceptualFeatures
 from ...perceptual.weights import WeightsError, vgg16_weights
 from ...seeding import generator, seed_for
 from . import geometry
-from .camera import Camera
 from .robot import load_robot
 from .scene import Area, Fixture, Part, Scene
 from .scenefile import load_scene, scene_files
@@ -47,6 +46,7 @@ def scene_of(settings: ApartmentConfig, scene: str) -> Scene:
 
 def apartment_world(config: Config, robot: str, scene: str, start: str, views: Sequence[float] = ()) -> ApartmentWorld:
     """The robot in the scene, both by name, seen through fields of view in degrees; through the first of the configuration's if none are given."""
+    from .camera import Camera
     from .world import ApartmentWorld  # imports PyBullet, which checking a configuration does not need
 
     settings = config.apartment
