@@ -82,8 +82,8 @@ class Slurm:
 
     @property
     def environment(self) -> dict[str, str]:
-        """Environment in which this Slurm's commands, and no other's, are found."""
-        path = os.pathsep.join([str(self.folder / "bin"), os.environ["PATH"], "/usr/sbin"])
+        """Environment in which this Slurm's commands, and no other's, are found, and those of the Python that runs this."""
+        path = os.pathsep.join([str(self.folder / "bin"), str(Path(sys.executable).parent), os.environ["PATH"], "/usr/sbin"])
         kept = {key: value for key, value in os.environ.items() if not key.startswith(("SLURM", "SBATCH"))}
         return {**kept, "SLURM_CONF": str(self.conf), "PATH": path}
 

@@ -128,7 +128,8 @@ def test_a_second_run_in_the_same_checkout_is_refused(finished: Path, tmp_path: 
     in_its_place(folder, "flatland.smk", "flatland-commutation-part", SLOWLY)
     first = subprocess.Popen(command("--cores", "1", str(PART)), cwd=folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     wait_for(folder / "begun", first)
-    second = snakemake(folder, "--cores", "1", str(PART))
+    arguments = [argument for argument in command("--cores", "1", str(PART)) if argument not in ("--quiet", "all")]
+    second = subprocess.run(arguments, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=120)
     assert second.returncode != 0 and "lock" in second.stderr.lower(), second.stderr
     assert first.wait(timeout=120) == 0
     expect_equal(finished, folder, [PART])

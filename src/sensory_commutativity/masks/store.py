@@ -10,7 +10,7 @@ import io
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import h5py
 import numpy as np
@@ -18,7 +18,9 @@ import numpy as np
 from ..errors import UserError
 from ..tables import written_whole
 from .outcome import OUTCOMES
-from .pairs import Pair
+
+if TYPE_CHECKING:
+    from .pairs import Pair  # imports PyBullet, which training does not need
 
 FORMAT = 1
 REMEDY = "delete it, and run the workflow again"
