@@ -11,7 +11,7 @@ SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet host reason --rerun-incom
 UNLOCK := pgrep -f '[b]in/snakemake' > /dev/null || $(BIN)/python -m snakemake --unlock --quiet all  # the pattern must not match this line itself
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: all default paper bench replay test lint format lock schema clean help
+.PHONY: all default paper bench scaling replay test lint format lock schema clean help
 .DEFAULT_GOAL := default
 
 all: default
@@ -35,11 +35,14 @@ paper: $(READY)  ## run the paper's sizes (committed under results/paper)
 bench: $(READY)  ## measure speed and print a table
 	$(BIN)/python benchmarks/bench.py
 
+scaling: $(READY)  ## measure what a second core gives, and what the workflow itself costs
+	$(BIN)/python benchmarks/scaling.py
+
 replay: $(READY)  ## play 1,000 SC-experiments of the apartment again and compare bit for bit
 	$(BIN)/python benchmarks/replay.py
 
 test: $(READY)  ## run all tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses 2
 
 lint: $(READY)  ## check style of code and workflow
 	$(BIN)/ruff check src tests benchmarks

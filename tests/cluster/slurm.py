@@ -59,7 +59,7 @@ KillWait=2
 MinJobAge=3600
 OverTimeLimit=0
 NodeName={names} NodeHostname={host} NodeAddr=127.0.0.1 Port=[{first}-{last}] CPUs={cpus} RealMemory={memory} State=UNKNOWN
-PartitionName=short Nodes={names} Default=YES MaxTime=60 DefaultTime=5 DefMemPerCPU=500 State=UP
+PartitionName=short Nodes={names} Default=YES MaxTime=UNLIMITED DefaultTime=5 DefMemPerCPU=500 State=UP
 """
 
 
