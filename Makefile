@@ -42,7 +42,7 @@ replay: $(READY)  ## play 1,000 SC-experiments of the apartment again and compar
 	$(BIN)/python benchmarks/replay.py
 
 test: $(READY)  ## run all tests
-	$(BIN)/python -m pytest --numprocesses 2
+	$(BIN)/python -m pytest --numprocesses 2 --dist loadscope
 
 lint: $(READY)  ## check style of code and workflow
 	$(BIN)/ruff check src tests benchmarks

@@ -18,6 +18,18 @@ settings.register_profile("repeatable", max_examples=50, deadline=None, derandom
 settings.load_profile("repeatable")
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log):
+    """Tests that look at the finished workflow go to one process, which makes it once; all others to whichever is free."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class Scheduling(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return "workflow" if nodeid.startswith(("tests/workflow/", "tests/cluster/")) else nodeid
+
+    return Scheduling(config, log)
+
+
 @pytest.fixture(scope="session")
 def default_config() -> Config:
     return load(DEFAULT)

@@ -15,8 +15,6 @@ import pytest
 from ..workflow.running import copy_workflow, digests, hashes, in_its_place
 from .slurm import Slurm, SlurmError, why_not
 
-pytestmark = pytest.mark.xdist_group("workflow")  # one process, or the finished run would be made in each
-
 SNAKEMAKE = str(Path(sys.executable).parent / "snakemake")
 RESULTS = Path("results", "test")
 TABLE = RESULTS / "tables" / "flatland_commutation.parquet"

@@ -15,8 +15,6 @@ import pytest
 
 from .running import ENVIRONMENT, command, copy_workflow, digests, hashes, in_its_place, snakemake
 
-pytestmark = pytest.mark.xdist_group("workflow")  # one process, or the finished run would be made in each
-
 RESULTS = Path("results", "test")
 PART = RESULTS / "data" / "flatland_commutation" / "furnished.1-of-2.parquet"
 OF_EACH_KIND = (

@@ -12,8 +12,6 @@ import yaml
 
 from .running import ENVIRONMENT, command, copy_workflow
 
-pytestmark = pytest.mark.xdist_group("workflow")  # one process, or the finished run would be made in each
-
 HOSTILE = 'it\'s "mine"; touch pwned $(touch pwned) `touch pwned` & touch pwned | $HOME \\ #'
 """A folder's name that a careless workflow would execute."""
 

@@ -22,8 +22,6 @@ from sensory_commutativity.tables import TABLES, read_table
 
 from .running import ENVIRONMENT, command, copy_workflow, hashes, snakemake
 
-pytestmark = pytest.mark.xdist_group("workflow")  # one process, or the finished run would be made in each
-
 WRITTEN = set(TABLES) - {"flatland_commutation_experiments"}  # that one stays among the raw data
 
 
