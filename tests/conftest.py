@@ -25,7 +25,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log):
 
     class Scheduling(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            return "workflow" if nodeid.startswith(("tests/workflow/", "tests/cluster/")) else nodeid
+            return "workflow" if nodeid.startswith("tests/workflow/") else nodeid
 
     return Scheduling(config, log)
 

@@ -1,4 +1,4 @@
-"""Faults, injected: each ends in complete results that equal the undisturbed run's. Those of a cluster are in tests/cluster."""
+"""Faults, injected: each ends in complete results that equal the undisturbed run's. Those of a cluster are in test_slurm.py."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
-from .running import ENVIRONMENT, command, copy_workflow, digests, hashes, in_its_place, snakemake
+from .running import ENVIRONMENT, begin, command, copy_workflow, digests, hashes, in_its_place, snakemake, wait_until
 
 RESULTS = Path("results", "test")
 PART = RESULTS / "data" / "flatland_commutation" / "furnished.1-of-2.parquet"
@@ -40,13 +39,6 @@ def expect_equal(finished: Path, folder: Path, files: Iterable[Path]) -> None:
     expected = digests(finished, files)
     assert all(expected.values()) and digests(folder, files) == expected
     assert not list((folder / RESULTS).rglob(".*.part*"))
-
-
-def wait_for(path: Path, process: subprocess.Popen) -> None:
-    end = time.monotonic() + 120
-    while not path.exists():
-        assert process.poll() is None and time.monotonic() < end, f"{path} did not come about"
-        time.sleep(0.1)
 
 
 def test_workers_killed_while_they_write_files_of_each_kind(finished: Path, tmp_path: Path) -> None:
@@ -126,8 +118,8 @@ def test_a_full_disk(finished: Path, tmp_path: Path) -> None:
 def test_a_second_run_in_the_same_checkout_is_refused(finished: Path, tmp_path: Path) -> None:
     folder = copy_workflow(tmp_path / "twice")
     in_its_place(folder, "flatland.smk", "flatland-commutation-part", SLOWLY)
-    first = subprocess.Popen(command("--cores", "1", str(PART)), cwd=folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    wait_for(folder / "begun", first)
+    first = begin(command("--cores", "1", str(PART)), folder, ENVIRONMENT)
+    wait_until((folder / "begun").exists, first, "a job")
     arguments = [argument for argument in command("--cores", "1", str(PART)) if argument not in ("--quiet", "all")]
     second = subprocess.run(arguments, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=120)
     assert second.returncode != 0 and "lock" in second.stderr.lower(), second.stderr
@@ -142,8 +134,8 @@ def test_a_second_run_of_another_checkout_in_the_same_results_is_refused(finishe
         (folder / "results").symlink_to(tmp_path / "results", target_is_directory=True)
     (tmp_path / "results").mkdir()
     arguments = command("--cores", "1", str(PART))
-    first = subprocess.Popen(arguments, cwd=folders[0], env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    wait_for(folders[0] / "begun", first)
+    first = begin(arguments, folders[0], ENVIRONMENT)
+    wait_until((folders[0] / "begun").exists, first, "a job")
     second = snakemake(folders[1], "--cores", "1", str(PART))
     assert second.returncode == 2, second.stderr
     assert f"process {first.pid}" in second.stderr and not (folders[1] / "begun").exists()
@@ -155,10 +147,8 @@ def test_a_second_run_of_another_checkout_in_the_same_results_is_refused(finishe
 def test_a_run_that_was_killed_holds_nothing(finished: Path, tmp_path: Path) -> None:
     folder = copy_workflow(tmp_path / "killed")
     in_its_place(folder, "flatland.smk", "flatland-commutation-part", SLOWLY)
-    first = subprocess.Popen(
-        command("--cores", "1", str(PART)), cwd=folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
-    )
-    wait_for(folder / "begun", first)
+    first = begin(command("--cores", "1", str(PART)), folder, ENVIRONMENT)
+    wait_until((folder / "begun").exists, first, "a job")
     os.killpg(first.pid, signal.SIGKILL)
     first.wait()
     shutil.rmtree(folder / ".snakemake")  # with Snakemake's lock, which outlives it: as in another checkout

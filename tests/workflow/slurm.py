@@ -1,7 +1,7 @@
 """A real Slurm on this machine: one controller and two nodes, in a folder of its own, for tests and for trying the workflow's profile.
 
-    python tests/cluster/slurm.py start FOLDER     installs Debian's Slurm and munge if they are absent, starts, prints what to source
-    python tests/cluster/slurm.py stop FOLDER
+    python tests/workflow/slurm.py start FOLDER     installs Debian's Slurm and munge if they are absent, starts, prints what to source
+    python tests/workflow/slurm.py stop FOLDER
 
 Needs root, since Slurm's daemons do. Nothing outside FOLDER is written, the packages apart: any Slurm that this machine belongs to is left alone.
 """
