@@ -277,21 +277,6 @@ def test_a_predictor_is_read_as_it_was_written(predictor):
     assert found.shape == (3, 2, 128, 128) and found.dtype == np.float32 and 0 <= found.min() <= found.max() <= 1
 
 
-def test_pictures_of_another_field_of_view_are_brought_to_the_size_that_was_trained_with(tmp_path):
-    seen = []
-
-    class Watching(torch.nn.Module):
-        def forward(self, first, second):
-            seen.append(first.shape[2:])
-            return [torch.full((len(first), 2, *first.shape[2:]), 3.0)]
-
-    predictor = MaskPredictor("raft", Watching(), field_of_view=45.0)
-    pictures = some_pairs(3).pictures
-    for view, side in ((None, 128), (45.0, 128), (90.0, 320), (30.0, 96)):
-        found = predictor.probabilities(pictures, view)
-        assert seen[-1] == (side, side) and found.shape == (3, 2, 128, 128) and found == pytest.approx(1 / (1 + np.exp(-3)), rel=1e-5)
-
-
 def test_the_difference_is_a_predictor_too(tmp_path):
     MaskPredictor("difference", None, Rule(0.3, 0.5, 12.0)).save(tmp_path / "d.predictor", {})
     loaded = load_predictor(tmp_path / "d.predictor", "difference")

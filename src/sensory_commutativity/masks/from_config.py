@@ -110,7 +110,8 @@ def household_of_tests(config: Config, run: TupleRun, job: int) -> Household:
     """Where the SC-experiments of a job are played; objects and rooms as they are."""
     from .household import Household
 
-    rng, scene = generator(config.seed, "masks", "tests", run.name, job), run.scenes[job % len(run.scenes)]
+    # a stream of its own: tuples of the stream "tests" were looked at while what learns from pairs was still being changed
+    rng, scene = generator(config.seed, "masks", "last tests", run.name, job), run.scenes[job % len(run.scenes)]
     cameras = cameras_of_masks(config, list(run.sets.values()))
     return Household(scene_of(config.apartment, scene), robot_of_masks(config), cameras, run.family, rng, config.masks.objects, varied=False)
 

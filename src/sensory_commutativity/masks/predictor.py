@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 from torch import Tensor, nn
-from torch.nn import functional
 
 from ..checkpoints import load_state, save_state
 from ..errors import UserError
@@ -26,7 +24,7 @@ PREDICTORS = (*MODELS, UNTRAINED)
 """Everything that two pictures can be given to."""
 SIDE_STEP, LEAST_SIDE = 32, 64
 """Pixels: sides of pictures are multiples of the first and no less than the second."""
-_FORMAT = 2
+_FORMAT = 3
 
 
 class PredictorError(UserError):
@@ -52,43 +50,32 @@ class MaskPredictor:
     rule : Rule
     device : str
         ``cpu`` or ``cuda``.
-    field_of_view : float, optional
-        Vertical, degrees, of the pictures that it was trained with.
     """
 
-    def __init__(self, name: str, model: nn.Module | None, rule: Rule | None = None, device: str = "cpu", field_of_view: float | None = None):
-        self.name, self.rule, self.device, self.field_of_view = name, rule or Rule(), device, field_of_view
+    def __init__(self, name: str, model: nn.Module | None, rule: Rule | None = None, device: str = "cpu"):
+        self.name, self.rule, self.device = name, rule or Rule(), device
         self.model = model.to(device).eval() if model is not None else None
 
-    def probabilities(self, pictures: np.ndarray, field_of_view: float | None = None, batch_size: int = 16) -> np.ndarray:
+    def probabilities(self, pictures: np.ndarray, batch_size: int = 16) -> np.ndarray:
         """Probability of change at every pixel: float32 (n, 2, h, w), of pictures uint8 (n, 2, h, w, 3). Raises PredictorError for other arrays.
 
-        A camera's `field_of_view`, vertical in degrees, is known to whoever uses it. If it is given and is not the one that was trained with,
-        pictures are brought to the size at which things look as large as there. Specks too small for anything that counts as in sight are taken
-        away.
+        Specks too small for anything that counts as in sight are taken away.
         """
         pictures = checked(pictures)
         if self.model is None:
             return cleaned(difference(pictures))
-        height, width = pictures.shape[2:4]
-        sides = [_scaled(side, field_of_view, self.field_of_view) for side in (height, width)]
         found = np.empty(pictures.shape[:4], np.float32)
         with torch.inference_mode():
             for start in range(0, len(pictures), batch_size):
                 x = as_tensor(pictures[start : start + batch_size], self.device)
-                if sides != [height, width]:
-                    x = functional.interpolate(x.flatten(0, 1), sides, mode="bilinear", align_corners=False).unflatten(0, (-1, 2))
-                logits = self.model(x[:, 0], x[:, 1])[-1].float()
-                if sides != [height, width]:
-                    logits = functional.interpolate(logits, (height, width), mode="bilinear", align_corners=False, antialias=True)
-                found[start : start + batch_size] = torch.sigmoid(logits).cpu().numpy()
+                found[start : start + batch_size] = torch.sigmoid(self.model(x[:, 0], x[:, 1])[-1].float()).cpu().numpy()
         return cleaned(found)
 
-    def predict(self, first: np.ndarray, second: np.ndarray, field_of_view: float | None = None) -> Prediction:
+    def predict(self, first: np.ndarray, second: np.ndarray) -> Prediction:
         """What became of one pair of pictures, uint8 (h, w, 3) each, as :meth:`probabilities` sees them. Raises PredictorError for other arrays."""
         if first.shape != second.shape:
             raise PredictorError(f"the pictures have different sizes, {_size(first)} and {_size(second)}; give two pictures of the same camera")
-        probabilities = self.probabilities(np.stack([first, second])[None], field_of_view)
+        probabilities = self.probabilities(np.stack([first, second])[None])
         return Prediction(OUTCOMES[int(outcomes(probabilities, self.rule)[0])], probabilities[0])
 
     def save(self, path: Path, about: dict[str, str]) -> None:
@@ -99,7 +86,6 @@ class MaskPredictor:
             dict(
                 format=_FORMAT,
                 name=self.name,
-                field_of_view=self.field_of_view,
                 architecture=getattr(self.model, "architecture", {}),
                 rule=list(self.rule),
                 about=dict(about),
@@ -116,15 +102,15 @@ def load_predictor(path: Path, expected: str | None = None, device: str = "cpu")
     if expected is not None and state["name"] != expected:
         raise PredictorError(f"{path}: holds the model {state['name']!r}, not {expected!r}; give the file of that model")
     try:
-        rule, field_of_view = Rule(*state["rule"]), state["field_of_view"]
+        rule = Rule(*state["rule"])
         if state["name"] == UNTRAINED:
-            return MaskPredictor(UNTRAINED, None, rule, field_of_view=field_of_view)
+            return MaskPredictor(UNTRAINED, None, rule)
         model = MODELS[state["name"]](**state["architecture"])
         model.load_state_dict({key: value.float() if value.is_floating_point() else value for key, value in state["weights"].items()})
     except (AttributeError, KeyError, RuntimeError, TypeError, ValueError) as error:
         first = (str(error).splitlines() or ["?"])[0][:100]
         raise PredictorError(f"{path}: weights of another architecture than this version's {state['name']!r} ({first}); train it anew") from None
-    return MaskPredictor(state["name"], model, rule, device, field_of_view)
+    return MaskPredictor(state["name"], model, rule, device)
 
 
 def checked(pictures: np.ndarray) -> np.ndarray:
@@ -149,14 +135,6 @@ def as_tensor(pictures: np.ndarray, device: str) -> Tensor:
 def best_device() -> str:
     """A GPU if there is one."""
     return "cuda" if torch.cuda.is_available() else "cpu"
-
-
-def _scaled(side: int, field_of_view: float | None, trained: float | None) -> int:
-    """Pixels, a multiple of SIDE_STEP, of a side at which things look as large as in pictures that were trained with."""
-    if field_of_view is None or trained is None or field_of_view == trained:
-        return side
-    factor = math.tan(math.radians(field_of_view) / 2) / math.tan(math.radians(trained) / 2)
-    return max(LEAST_SIDE, SIDE_STEP * round(side * factor / SIDE_STEP))
 
 
 def _size(picture: np.ndarray) -> str:

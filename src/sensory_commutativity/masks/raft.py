@@ -65,18 +65,18 @@ class MaskRaft(nn.Module):
         self.hidden, self.updates = hidden, updates
         affine = partial(nn.InstanceNorm2d, affine=True)
         self.encoder = FeatureEncoder(block=ResidualBlock, layers=tuple(widths), strides=(2, 2, 2, 1), norm_layer=affine)
-        self.begin = nn.Conv2d(3 * widths[4], hidden + context, 3, 1, 1)
-        self.everywhere = nn.Conv2d(context, context, 1)
+        self.fusion = nn.Conv2d(3 * widths[4], hidden + context, 3, 1, 1)
+        self.global_context = nn.Conv2d(context, context, 1)
         self.correlation = CorrBlock(num_levels=levels, radius=radius)
         motion = MotionEncoder(in_channels_corr=2 * self.correlation.out_channels, corr_layers=(64,), flow_layers=(32, 16), out_channels=48)
         recurrent = RecurrentBlock(input_size=motion.out_channels + context, hidden_size=hidden, kernel_size=(3,), padding=(1,))
         self.update = UpdateBlock(motion_encoder=motion, recurrent_block=recurrent, flow_head=FlowHead(in_channels=hidden, hidden_size=64))
-        seen = 3 * widths[1] + 2 * 16 + 2 * DIFFERENCES + 32  # features, logits, differences, what the state tells
-        self.told = nn.Conv2d(hidden, 32, 1)
-        self.refining = nn.Sequential(_mixing(seen, fine), _convolution(fine), _convolution(fine), _convolution(fine))
-        seen = 3 * widths[0] + 3 * 12 + 2 * 4 + DIFFERENCES + 16  # features, pictures, logits, differences, what the quarter tells
-        self.told_on = nn.Conv2d(fine, 16, 1)
-        self.sharpening = nn.Sequential(_mixing(seen, sharp), _convolution(sharp), nn.Conv2d(sharp, 8, 3, 1, 1))
+        seen = 3 * widths[1] + 2 * 16 + 2 * DIFFERENCES + 32  # features, logits, differences, what the state knows
+        self.state_projection = nn.Conv2d(hidden, 32, 1)
+        self.refine_quarter = nn.Sequential(_mixing(seen, fine), _convolution(fine), _convolution(fine), _convolution(fine))
+        seen = 3 * widths[0] + 3 * 12 + 2 * 4 + DIFFERENCES + 16  # features, pictures, logits, differences, what the quarter knows
+        self.quarter_projection = nn.Conv2d(fine, 16, 1)
+        self.refine_half = nn.Sequential(_mixing(seen, sharp), _convolution(sharp), nn.Conv2d(sharp, 8, 3, 1, 1))
 
     def forward(self, first: Tensor, second: Tensor) -> list[Tensor]:
         """Pictures float (n, 3, h, w) in [-1, 1], sides divisible by 8 and at least 64: logits after each refinement, float (n, 2, h, w)."""
@@ -85,7 +85,7 @@ class MaskRaft(nn.Module):
         middle = self.encoder.layer1(shallow)
         deep = self.encoder.conv(self.encoder.layer3(self.encoder.layer2(middle)))
         correlations = self._correlations(*deep.float().chunk(2))
-        state, context = self._begun(deep)
+        state, context = self._initial(deep)
         logits = torch.zeros(n, 2, *deep.shape[2:], device=first.device)
         found = []
         for _ in range(self.updates):
@@ -93,13 +93,13 @@ class MaskRaft(nn.Module):
             state, change = self.update(state, context, correlations.to(state.dtype), logits.to(state.dtype))
             logits = logits + change.float()
             found.append(functional.interpolate(logits, scale_factor=STRIDE, mode="bilinear", align_corners=False))
-        return [*found, found[-1] + self._sharpened(first, second, shallow, middle, state, found[-1].detach())]
+        return [*found, found[-1] + self._refined(first, second, shallow, middle, state, found[-1].detach())]
 
-    def _begun(self, deep: Tensor) -> tuple[Tensor, Tensor]:
+    def _initial(self, deep: Tensor) -> tuple[Tensor, Tensor]:
         """The first state and the context."""
-        both = self.begin(torch.cat(_compared(deep), 1))
+        both = self.fusion(torch.cat(_compared(deep), 1))
         context = functional.relu(both[:, self.hidden :])
-        context = context + self.everywhere(context.mean((2, 3), keepdim=True))  # another view is another view at every pixel
+        context = context + self.global_context(context.mean((2, 3), keepdim=True))  # another view is another view at every pixel
         return torch.tanh(both[:, : self.hidden]), context
 
     def _correlations(self, one: Tensor, other: Tensor) -> Tensor:
@@ -114,17 +114,17 @@ class MaskRaft(nn.Module):
                 found.append(self.correlation.index_pyramid(here))
         return torch.cat(found, 1)
 
-    def _sharpened(self, first: Tensor, second: Tensor, shallow: Tensor, middle: Tensor, state: Tensor, logits: Tensor) -> Tensor:
+    def _refined(self, first: Tensor, second: Tensor, shallow: Tensor, middle: Tensor, state: Tensor, logits: Tensor) -> Tensor:
         """What the last refinement adds to the logits: float (n, 2, h, w)."""
         kind = state.dtype
         differences = least_differences(first, second).to(kind)
         coarser = [functional.max_pool2d(differences, 2), functional.avg_pool2d(differences, 2)]
-        told = _doubled(self.told(state))
-        quarter = self.refining(torch.cat([*_compared(middle), functional.pixel_unshuffle(logits, 4).to(kind), *coarser, told], 1))
+        known = _doubled(self.state_projection(state))
+        quarter = self.refine_quarter(torch.cat([*_compared(middle), functional.pixel_unshuffle(logits, 4).to(kind), *coarser, known], 1))
         pictures = functional.pixel_unshuffle(torch.cat([first, second]), 2).to(kind)
-        told = _doubled(self.told_on(quarter))
-        seen = [*_compared(shallow), *_compared(pictures), functional.pixel_unshuffle(logits, 2).to(kind), differences, told]
-        return functional.pixel_shuffle(self.sharpening(torch.cat(seen, 1)).float(), 2)
+        known = _doubled(self.quarter_projection(quarter))
+        seen = [*_compared(shallow), *_compared(pictures), functional.pixel_unshuffle(logits, 2).to(kind), differences, known]
+        return functional.pixel_shuffle(self.refine_half(torch.cat(seen, 1)).float(), 2)
 
 
 def least_differences(first: Tensor, second: Tensor) -> Tensor:

@@ -52,7 +52,7 @@ def write_examples(
     per_job = config.masks.tests.experiments_per_job
     pictures, masks, truth, test_sets, overlaps, found = [], [], [], [], [], []
     for run in tuple_runs(config).values():
-        for camera, (test_set, view) in enumerate(run.sets.items()):
+        for camera, test_set in enumerate(run.sets):
             for experiment, overlap in chosen_examples(scores[scores["test_set"] == test_set]):
                 arrays, _ = read_arrays(tuples[run.name][experiment // per_job], CONTENT)
                 k = experiment % per_job
@@ -61,7 +61,7 @@ def write_examples(
                 truth.append(arrays["outcome"][k, camera, 0])
                 test_sets.append(test_set)
                 overlaps.append(overlap)
-                found.append(loaded.predict(*pictures[-1], view))
+                found.append(loaded.predict(*pictures[-1]))
     arrays = dict(
         dataset_pictures=pairs.pictures[shown],
         dataset_masks=pack(pairs.masks[shown]),

@@ -22,19 +22,17 @@ from .mask_tuples import CONTENT
 MOVED = OUTCOMES.index("moved")
 
 
-def score(predictor: MaskPredictor, test_set: str, field_of_view: float, pictures: np.ndarray, masks: np.ndarray, truth: np.ndarray) -> pd.DataFrame:
+def score(predictor: MaskPredictor, test_set: str, pictures: np.ndarray, masks: np.ndarray, truth: np.ndarray) -> pd.DataFrame:
     """A row per tuple, columns of the table mask_scores from test_set on but for household, experiment and kind.
 
     Parameters
     ----------
-    field_of_view : float
-        Vertical, degrees, of the camera.
     pictures : uint8 (n, 2, h, w, 3)
     masks : bool (n, 2, h, w)
     truth : int (n,)
         Places in OUTCOMES.
     """
-    found = predictor.probabilities(pictures, field_of_view)
+    found = predictor.probabilities(pictures)
     predicted = found > MASK
     moved = truth == MOVED
     iou = np.full((len(truth), 2), np.nan)
@@ -62,7 +60,7 @@ def write_model_scores(config: Config, predictor: Path, model: str, tuples: Mapp
         before = 0
         for household, part in enumerate(progress(tuples[run.name], f"{model} {run.name}", "part")):
             arrays, _ = read_arrays(part, CONTENT)
-            for k, (name, view) in enumerate(run.sets.items()):
+            for k, name in enumerate(run.sets):
                 truth = arrays["outcome"][:, k, 0]
                 left = config.masks.tests.tuples - taken[name]
                 chosen = np.sort(np.concatenate([np.nonzero(truth == o)[0][: left[o]] for o in range(len(OUTCOMES))]))
@@ -70,7 +68,7 @@ def write_model_scores(config: Config, predictor: Path, model: str, tuples: Mapp
                 if not len(chosen):
                     continue
                 pictures = arrays["pictures"][chosen, k, 0]
-                scores = score(loaded, name, view, pictures, unpack(arrays["masks"][chosen, k, 0], pictures.shape[3]), truth[chosen])
+                scores = score(loaded, name, pictures, unpack(arrays["masks"][chosen, k, 0], pictures.shape[3]), truth[chosen])
                 rows.append(
                     scores.assign(model=model, household=household, experiment=before + chosen, kind=[KINDS[q] for q in arrays["kind"][chosen]])
                 )

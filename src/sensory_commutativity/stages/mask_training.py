@@ -55,7 +55,7 @@ def write_training(config: Config, model: ModelName, training: Sequence[Path], v
             if trainer.step in stops or time.monotonic() - last > SAVED_EVERY:
                 checkpoint.save({**trainer.state(), "rows": rows})
                 last = time.monotonic()
-    trained = MaskPredictor(model, trainer.model, device=device, field_of_view=config.masks.data.field_of_view)
+    trained = MaskPredictor(model, trainer.model, device=device)
     save_tuned(trained, held_out, predictor, config)
     write_table("mask_curves", pd.DataFrame(rows).assign(model=model), out, config)
     checkpoint.forget()
@@ -63,7 +63,7 @@ def write_training(config: Config, model: ModelName, training: Sequence[Path], v
 
 def write_difference(config: Config, validation: Sequence[Path], predictor: Path) -> None:
     """The image difference, of which only the rule is tuned."""
-    save_tuned(MaskPredictor(UNTRAINED, None, field_of_view=config.masks.data.field_of_view), read_pairs(*validation), predictor, config)
+    save_tuned(MaskPredictor(UNTRAINED, None), read_pairs(*validation), predictor, config)
 
 
 def save_tuned(predictor: MaskPredictor, held_out: Pairs, path: Path, config: Config) -> None:
