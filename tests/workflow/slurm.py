@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import ctypes
 import os
 import secrets
 import shutil
@@ -74,10 +75,12 @@ class Slurm:
     ----------
     folder : Path
         Where everything lies.
+    attached : bool
+        Whether all daemons die with this process, however it ends; otherwise they live until :meth:`stop`.
     """
 
-    def __init__(self, folder: Path):
-        self.folder = folder.resolve()
+    def __init__(self, folder: Path, attached: bool = True):
+        self.folder, self.attached = folder.resolve(), attached
         self.conf = self.folder / "slurm.conf"
 
     @property
@@ -110,17 +113,19 @@ class Slurm:
         key.chmod(0o600)
         self.folder.chmod(0o755)  # munged refuses to put its socket where not everybody can reach it
         f = self.folder
-        self._run(
+        self._begin(
             "munged", "--force", f"--key-file={key}", f"--socket={f}/munge.socket", f"--pid-file={f}/munged.pid",
-            f"--log-file={f}/munged.log", f"--seed-file={f}/munge.seed",
+            f"--log-file={f}/munged.log", f"--seed-file={f}/munge.seed", foreground="--foreground",
         )  # fmt: skip
-        self._run("slurmctld")
+        _wait_for(f / "munge.socket")
+        self._begin("slurmctld", foreground="-D")
         for node in NODES:
             self.start_node(node)
         self.wait_for_nodes()
 
     def start_node(self, node: str) -> None:
-        self._run("slurmd", "-N", node)
+        self._begin("slurmd", "-N", node, foreground="-D")
+        _wait_for(self.folder / f"slurmd.{node}.pid")
 
     def wait_for_nodes(self, state: str = "idle", nodes: tuple[str, ...] = NODES) -> None:
         """Return when all `nodes` are in that state. Raises SlurmError after some time."""
@@ -140,7 +145,9 @@ class Slurm:
 
     def lose(self, node: str) -> None:
         """Take a node's power away: its daemon, its job steps and all that they started die at once."""
-        doomed = _tree(int((self.folder / f"slurmd.{node}.pid").read_text()))
+        pid = self.folder / f"slurmd.{node}.pid"
+        doomed = _tree(int(pid.read_text()))
+        pid.unlink()
         steps = [pid for pid in _processes() if f"SLURMD_NODENAME={node}" in _environ(pid) and f"SLURM_CONF={self.conf}" in _environ(pid)]
         for step in steps:
             doomed |= _tree(_parent(step)) if "slurmstepd" in _command(_parent(step)) else _tree(step)
@@ -159,10 +166,30 @@ class Slurm:
             if pid.exists() and pid.read_text().strip():
                 _kill(int(pid.read_text()), signal.SIGTERM)
 
-    def _run(self, *command: str) -> None:
+    def _begin(self, *command: str, foreground: str) -> None:
+        """Begin a daemon; with the option `foreground` it stays a child of this process."""
+        if self.attached:
+            log = (self.folder / f"{command[0]}.said").open("ab")
+            subprocess.Popen(
+                [*command, foreground], env=self.environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log, preexec_fn=_die_with_parent
+            )
+            return
         run = subprocess.run(command, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE)
         if run.returncode:
             raise SlurmError(f"{command[0]} does not start: {run.stderr.strip()}; see the logs in {self.folder}")
+
+
+def _die_with_parent() -> None:
+    """Asks the kernel for SIGTERM when the parent is no more (prctl, PR_SET_PDEATHSIG): a test that was killed leaves no daemons behind."""
+    ctypes.CDLL(None).prctl(1, signal.SIGTERM)
+
+
+def _wait_for(path: Path) -> None:
+    end = time.monotonic() + PATIENCE
+    while not path.exists():
+        if time.monotonic() > end:
+            raise SlurmError(f"{path} does not come about; see the logs beside it")
+        time.sleep(0.1)
 
 
 def why_not() -> str | None:
@@ -251,7 +278,7 @@ def main() -> None:
     parser.add_argument("command", choices=["start", "stop"])
     parser.add_argument("folder", type=Path)
     given = parser.parse_args()
-    slurm = Slurm(given.folder)
+    slurm = Slurm(given.folder, attached=False)
     if given.command == "stop":
         slurm.stop()
         return
