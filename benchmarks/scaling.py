@@ -40,11 +40,11 @@ STAND_IN = """#!{python}
 import sys
 from pathlib import Path
 given = sys.argv[1:]
-for option in ("--out", "--predictor", "--model-out"):
+for option in ("--out", "--predictor", "--model"):
     for at in [i for i, argument in enumerate(given) if argument == option]:
         path = Path(given[at + 1])
-        if option == "--predictor" and path.exists():
-            continue
+        if option != "--out" and (not path.suffix or path.exists()):
+            continue  # the name of a model, or an input
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(b"x")
         if path.suffix == ".png":
@@ -64,7 +64,9 @@ def snakemake(folder: Path, *arguments: str, first: Path = BIN) -> float:
     """Run it; return the seconds that it took."""
     environment = {**os.environ, "PATH": f"{first}{os.pathsep}{BIN}{os.pathsep}{os.environ['PATH']}"}
     begin = time.perf_counter()
-    run = subprocess.run([str(BIN / "snakemake"), "--quiet", "all", *arguments], cwd=folder, env=environment, capture_output=True, text=True)
+    run = subprocess.run(
+        [str(BIN / "snakemake"), "--quiet", "progress", "rules", *arguments], cwd=folder, env=environment, capture_output=True, text=True
+    )
     if run.returncode:
         sys.exit(run.stderr[-3000:])
     return time.perf_counter() - begin
