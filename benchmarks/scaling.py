@@ -23,13 +23,13 @@ ROOT = Path(__file__).resolve().parents[1]
 BIN = Path(sys.executable).parent
 STAGES = {
     "2-D": (
-        "flatland: {reference: {experiments: 24000}, experiments_per_job: 3000}",
+        "flatland: {reference: {experiments: 8000}, experiments_per_job: 1000}",
         "flatland_experiments",
         "furnished.polyphemus.50.{}-of-8.parquet",
         8,
     ),
     "3-D": (
-        "apartment: {reference: {experiments: 64}, experiments_per_job: 8}",
+        "apartment: {reference: {experiments: 40}, experiments_per_job: 5}",
         "apartment_experiments",
         "fetch.rs-stand-in.anywhere.50.{}-of-8.parquet",
         8,
