@@ -47,6 +47,7 @@ def hold(folder: Path) -> None:
             raise ConfigError(f"{folder}: {who} is writing results there; wait until it ends, or set another 'profile' or 'results'") from None
         except OSError:  # a file system without locks
             file.close()
+            path.unlink(missing_ok=True)
             return
         if path.exists() and path.stat().st_ino == os.fstat(file.fileno()).st_ino:
             break

@@ -34,6 +34,14 @@ def expect_equal(finished: Path, folder: Path) -> None:
     assert not list((folder / RESULTS).rglob(".*.part*"))
 
 
+def begin_slowly(slurm: Slurm, folder: Path) -> subprocess.Popen:
+    """Begin a run whose jobs take their time; returns when one is on n1."""
+    in_its_place(folder, "flatland.smk", "flatland-commutation-part", SLOWLY)
+    process = begin(slurm_command(targets=[TABLE]), folder, slurm.environment)
+    wait_until((folder / "begun.n1").exists, process, "a job on n1")
+    return process
+
+
 @pytest.fixture(scope="module")
 def over_limits(slurm: Slurm, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, subprocess.Popen]]:
     """A run whose jobs take too much at first, and its folder."""
@@ -66,9 +74,7 @@ def test_jobs_over_their_memory_and_their_time_are_given_more(slurm: Slurm, fini
 
 def test_a_lost_node(slurm: Slurm, finished: Path, tmp_path: Path) -> None:
     folder = copy_workflow(tmp_path / "node")
-    in_its_place(folder, "flatland.smk", "flatland-commutation-part", SLOWLY)
-    process = begin(slurm_command(targets=[TABLE]), folder, slurm.environment)
-    wait_until((folder / "begun.n1").exists, process, "a job on n1")
+    process = begin_slowly(slurm, folder)
     slurm.lose("n1")
     assert process.wait(timeout=600) == 0, (folder / "said.log").read_text()
     slurm.start_node("n1")
@@ -78,9 +84,7 @@ def test_a_lost_node(slurm: Slurm, finished: Path, tmp_path: Path) -> None:
 
 def test_a_killed_controller_whose_jobs_go_on(slurm: Slurm, finished: Path, tmp_path: Path) -> None:
     folder = copy_workflow(tmp_path / "controller")
-    in_its_place(folder, "flatland.smk", "flatland-commutation-part", SLOWLY)
-    process = begin(slurm_command(targets=[TABLE]), folder, slurm.environment)
-    wait_until((folder / "begun.n1").exists, process, "a job on n1")
+    process = begin_slowly(slurm, folder)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     assert slurm.jobs("RUNNING,PENDING"), "nothing went on"

@@ -23,6 +23,8 @@ if TYPE_CHECKING:  # the workflow reads this module before every job: nothing he
     from .training import Recipe
 
 Split = Literal["training", "validation"]
+TEST_STREAM = "last tests"
+"""What the random numbers of the tests follow from. Tuples of an older stream, "tests", were looked at while the training was still being changed."""
 
 
 class TupleRun(NamedTuple):
@@ -110,8 +112,7 @@ def household_of_tests(config: Config, run: TupleRun, job: int) -> Household:
     """Where the SC-experiments of a job are played; objects and rooms as they are."""
     from .household import Household
 
-    # a stream of its own: tuples of the stream "tests" were looked at while what learns from pairs was still being changed
-    rng, scene = generator(config.seed, "masks", "last tests", run.name, job), run.scenes[job % len(run.scenes)]
+    rng, scene = generator(config.seed, "masks", TEST_STREAM, run.name, job), run.scenes[job % len(run.scenes)]
     cameras = cameras_of_masks(config, list(run.sets.values()))
     return Household(scene_of(config.apartment, scene), robot_of_masks(config), cameras, run.family, rng, config.masks.objects, varied=False)
 
@@ -176,8 +177,8 @@ def settings_of_data(config: Config) -> str:
 def settings_of_tests(config: Config, run: TupleRun) -> str:
     """Everything that the SC-experiments of a run depend on but the degree of freedom and their number, as JSON."""
     masks, apartment = config.masks, config.apartment
-    return json.dumps([*_files(config, run.scenes), run, masks.fixed, masks.image_size, masks.objects, apartment.supersampling, config.seed,
-                       masks.tests.sequence_length, masks.tests.experiments_per_job])  # fmt: skip
+    return json.dumps([TEST_STREAM, *_files(config, run.scenes), run, masks.fixed, masks.image_size, masks.objects, apartment.supersampling,
+                       config.seed, masks.tests.sequence_length, masks.tests.experiments_per_job])  # fmt: skip
 
 
 def settings_of_map(config: Config) -> str:

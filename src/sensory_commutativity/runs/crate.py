@@ -13,11 +13,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import yaml
-
 from .. import __version__
 from ..errors import UserError
 from ..tables import written_whole
+from ..yamlfile import read_yaml
 from .checksums import MANIFEST, files_of, read_manifest, sha256
 from .compare import tables_of
 from .origin import OriginError, origin_of
@@ -104,8 +103,8 @@ def _settings(run: Path) -> dict[str, Any]:
     """The resolved settings of a run. Raises UserError where there are none."""
     tables_of(run)
     try:
-        settings = yaml.safe_load((run / "config.yaml").read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError):
+        settings = read_yaml(run / "config.yaml", UserError, "the settings of a run")
+    except UserError:
         settings = None
     if not isinstance(settings, dict) or not re.fullmatch(r"[\w.-]+", str(settings.get("profile", ""))):
         raise UserError(f"{run / 'config.yaml'}: missing or not the settings of a run; run the workflow again, or give another folder")
@@ -138,7 +137,7 @@ def _workflow(crate: ROCrate, inside: dict[str, Path]):
     """Add the workflow, as it is here, with its licence and its authors; return its entity."""
     from rocrate.model.contextentity import ContextEntity
 
-    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    cited = read_yaml(ROOT / "CITATION.cff", UserError, "CITATION.cff")
     text = (ROOT / "LICENSE").read_text(encoding="utf-8").splitlines()[0]
     license_ = crate.add(ContextEntity(crate, f"https://spdx.org/licenses/{cited['license']}", {"@type": "CreativeWork", "name": text}))
     authors = [crate.add(ContextEntity(crate, *_author(author))) for author in cited["authors"]]
