@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,7 +12,7 @@ from torch import Tensor, nn
 
 from ..checkpoints import load_state, save_state
 from ..errors import UserError
-from .decision import Rule, cleaned, outcomes
+from .decision import MASK, Rule, cleaned, outcomes, settled
 from .difference import difference
 from .flownet import MaskFlowNet
 from .outcome import OUTCOMES, Outcome
@@ -24,6 +24,8 @@ PREDICTORS = (*MODELS, UNTRAINED)
 """Everything that two pictures can be given to."""
 SIDE_STEP, LEAST_SIDE = 32, 64
 """Pixels: sides of pictures are multiples of the first and no less than the second."""
+_WAYS = ((), (-1,), (1,), (1, -1))
+"""Axes of pairs and of their masks, (n, 2, ..., w), that are turned round: none, as in a mirror, exchanged, both."""
 _FORMAT = 3
 
 
@@ -59,17 +61,30 @@ class MaskPredictor:
     def probabilities(self, pictures: np.ndarray, batch_size: int = 16) -> np.ndarray:
         """Probability of change at every pixel: float32 (n, 2, h, w), of pictures uint8 (n, 2, h, w, 3). Raises PredictorError for other arrays.
 
-        Specks too small for anything that counts as in sight are taken away.
+        Specks too small for anything that counts as in sight are taken away. Pairs in which something seems to have moved are looked at in four ways,
+        as they are, mirrored, exchanged and both, whose logits are averaged, and :func:`.decision.settled`.
         """
         pictures = checked(pictures)
         if self.model is None:
             return cleaned(difference(pictures))
+        found = cleaned(_sigmoid(self._logits(pictures, batch_size)))
+        again = (found > MASK).any((1, 2, 3)) & (found.mean((1, 2, 3)) <= MASK)
+        if again.any():
+            found[again] = settled(cleaned(_sigmoid(self._logits(pictures[again], batch_size, _WAYS))))
+        return found
+
+    def _logits(self, pictures: np.ndarray, batch_size: int, ways: Sequence[tuple[int, ...]] = ((),)) -> np.ndarray:
+        """Mean logits over several ways of looking at each pair, each the axes that are turned round: float32 (n, 2, h, w)."""
         found = np.empty(pictures.shape[:4], np.float32)
         with torch.inference_mode():
             for start in range(0, len(pictures), batch_size):
                 x = as_tensor(pictures[start : start + batch_size], self.device)
-                found[start : start + batch_size] = torch.sigmoid(self.model(x[:, 0], x[:, 1])[-1].float()).cpu().numpy()
-        return cleaned(found)
+                seen = []
+                for way in ways:
+                    turned = x.flip(way)
+                    seen.append(self.model(turned[:, 0], turned[:, 1])[-1].float().flip(way))
+                found[start : start + batch_size] = torch.stack(seen).mean(0).cpu().numpy()
+        return found
 
     def predict(self, first: np.ndarray, second: np.ndarray) -> Prediction:
         """What became of one pair of pictures, uint8 (h, w, 3) each, as :meth:`probabilities` sees them. Raises PredictorError for other arrays."""
@@ -135,6 +150,10 @@ def as_tensor(pictures: np.ndarray, device: str) -> Tensor:
 def best_device() -> str:
     """A GPU if there is one."""
     return "cuda" if torch.cuda.is_available() else "cpu"
+
+
+def _sigmoid(logits: np.ndarray) -> np.ndarray:
+    return torch.sigmoid(torch.from_numpy(logits)).numpy()
 
 
 def _size(picture: np.ndarray) -> str:
