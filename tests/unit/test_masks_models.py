@@ -18,7 +18,7 @@ from sensory_commutativity.masks.pairs import Pair
 from sensory_commutativity.masks.predictor import MODELS, PREDICTORS, MaskPredictor, PredictorError, checked, load_predictor
 from sensory_commutativity.masks.raft import MaskRaft
 from sensory_commutativity.masks.store import Pairs, StoreError, pack, read_arrays, read_pairs, unpack, write_arrays, write_pairs
-from sensory_commutativity.masks.training import AIMED, EARLY, LOWER, Recipe, Trainer, augmented, learning_rate
+from sensory_commutativity.masks.training import AIMED, LOWER, STAGES, Recipe, Trainer, augmented, learning_rate
 
 IDENTICAL, DIFFERENT, MOVED = range(3)
 SMALL = {"raft": dict(widths=(8, 12, 16, 16, 24), hidden=16, context=16, updates=2, fine=12, sharp=8), "flownet": dict(scale=0.05)}
@@ -261,13 +261,21 @@ def test_augmentation_changes_both_pictures_alike_and_takes_the_masks_along():
     assert all(bright[i][masks[moved][i]].mean() > bright[i][~masks[moved][i]].mean() + 100 for i in range(moved.sum()))
 
 
-def test_whole_pictures_come_late_and_the_second_cycle_takes_mostly_such():
-    trainer = Trainer("flownet", Recipe(visits=600, batch_size=4), some_pairs(), seed=3, **SMALL["flownet"])
-    whole = []
-    for trainer.step in range(150):
-        whole.append(trainer._batch()[0].shape[-1] == 128)
-    assert trainer.recipe.first == 100 and not any(whole[: int(100 * EARLY)])
-    assert 0.25 < np.mean(whole[60:100]) < 0.75 and 0.6 < np.mean(whole[100:]) < 0.95
+def test_a_stage_shows_what_it_says():
+    trainer = Trainer("flownet", Recipe(visits=24_000, batch_size=4), some_pairs(), seed=3, **SMALL["flownet"])
+    assert trainer.recipe.first == 4000 and STAGES[1].until == pytest.approx(4000 / trainer.recipe.steps)
+    starts = [0, *(round(stage.until * trainer.recipe.steps) for stage in STAGES)]
+    assert starts[-1] == trainer.recipe.steps
+    for stage, start, end in zip(STAGES, starts, starts[1:], strict=False):
+        assert trainer.recipe.stage(start) == trainer.recipe.stage(end - 1) == stage
+        whole, moved = [], []
+        for trainer.step in range(start, start + 60):
+            pictures, _, is_moved = trainer._batch()
+            whole.append(pictures.shape[-1] == 128)
+            moved.append(float(is_moved.float().mean()) if whole[-1] else np.nan)
+        assert np.mean(whole) == pytest.approx(stage.whole, abs=0.2) and any(whole) == (stage.whole > 0)
+        if stage.whole:
+            assert np.nanmean(moved) == pytest.approx(stage.moved or 1 / 3, abs=0.12)
 
 
 def test_parts_are_cut_out_where_something_moved():

@@ -2,8 +2,8 @@
 
 AdamW, gradients clipped, mixed precision where the processor has it. Pairs are mirrored, exchanged and recoloured alike in both pictures, and, as
 in RAFT's own recipe, cut out and scaled: a step takes whole pictures, or whole ones at half the resolution, or, of pairs in which something moved,
-a quarter of each picture around it, which shows more of it in a quarter of the time. As RAFT is trained in stages, so is this: one cycle of the
-learning rate with few whole pictures, a second, lower one with mostly such.
+a quarter of each picture around it, which shows more of it in a quarter of the time. As RAFT is trained in stages, so is this: STAGES say how much of
+each there is, in two cycles of the learning rate, of which the second is lower.
 Everything random follows from the seed and the step, so a run that was resumed ends as one that was not.
 """
 
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
@@ -31,15 +31,37 @@ WARM = 0.05
 FIRST, LOWER = 2 / 3, 0.3
 """Of all steps, those of the first cycle; highest learning rate of the second, in that of the first. Chosen: late in a first cycle, things that
 fill much of the picture were seen in the wrong view more often than small ones (docs/differences.md)."""
-EARLY = 0.6
-"""Of the first cycle, the first steps, of which none takes whole pictures; chosen: a step with a quarter of the pixels costs a quarter."""
-WHOLE, MOSTLY, CUT = 0.5, 0.8, 0.65
-"""Of the later steps of the first cycle, and of those of the second, those with whole pictures; of all others, those that are cut out, while the rest
-is at half the resolution. Chosen: so that neither the outcome, which only the whole shows, nor the masks, which are small, are neglected."""
 AIMED, ENLARGED = 0.75, 0.3
 """Of what is cut out, how much is so around a pixel that moved, the rest being anywhere, and how much is smaller still and enlarged up to twice;
 chosen: pictures with another field of view are enlarged too."""
 MOVED = OUTCOMES.index("moved")
+
+
+class Stage(NamedTuple):
+    """What is shown in a part of the training.
+
+    Attributes
+    ----------
+    until : float
+        Of all steps, where it ends.
+    whole : float
+        Of its steps, those with whole pictures.
+    cut : float
+        Of the others, those that are cut out; the rest is at half the resolution.
+    moved : float, optional
+        Of the pairs that are not cut out, those in which something moved; else as many as there are.
+    """
+
+    until: float
+    whole: float
+    cut: float
+    moved: float | None = None
+
+
+STAGES = (Stage(0.4, 0.0, 0.65), Stage(FIRST, 0.5, 0.65), Stage(0.82, 0.8, 0.65), Stage(1.0, 0.5, 0.3, 0.6))
+"""Chosen, in turn, as docs/differences.md tells: steps with a quarter of the pixels first, since they cost a quarter; then whole pictures, which alone
+show the outcome and large things; at last more that moved, and more at half the resolution, where things look as small as through a camera with
+twice the field of view."""
 
 
 @dataclass(frozen=True)
@@ -60,11 +82,9 @@ class Recipe:
         """Steps of the first cycle."""
         return round(FIRST * self.steps)
 
-    def whole(self, step: int) -> float:
-        """Of steps like this one, how many take whole pictures."""
-        if step >= self.first:
-            return MOSTLY
-        return WHOLE if step >= EARLY * self.first else 0.0
+    def stage(self, step: int) -> Stage:
+        """What a step shows."""
+        return next(stage for stage in STAGES if step < round(stage.until * self.steps) or stage is STAGES[-1])
 
 
 def learning_rate(recipe: Recipe, step: int) -> float:
@@ -104,7 +124,7 @@ class Trainer:
         self.optimiser = torch.optim.AdamW(self.model.parameters(), lr=recipe.learning_rate, weight_decay=recipe.weight_decay, eps=1e-8)
         self.step = 0
         self.losses: list[float] = []
-        self._moved = np.nonzero(pairs.outcome == MOVED)[0]
+        self._moved, self._still = np.nonzero(pairs.outcome == MOVED)[0], np.nonzero(pairs.outcome != MOVED)[0]
 
     @property
     def finished(self) -> bool:
@@ -139,10 +159,12 @@ class Trainer:
 
     def _batch(self) -> tuple[Tensor, Tensor, Tensor]:
         rng = generator(self.seed, "step", self.name, self.step)
-        share = self.recipe.whole(self.step)
-        whole = share > 0 and rng.uniform() < share
-        cut = not whole and rng.uniform() < CUT and len(self._moved) > 0
+        stage = self.recipe.stage(self.step)
+        whole = stage.whole > 0 and rng.uniform() < stage.whole
+        cut = not whole and rng.uniform() < stage.cut and len(self._moved) > 0
         chosen = rng.choice(self._moved if cut else len(self.pairs.outcome), self.recipe.batch_size)
+        if not cut and stage.moved is not None and min(len(self._moved), len(self._still)) > 0:
+            chosen = np.where(rng.uniform(size=len(chosen)) < stage.moved, rng.choice(self._moved, len(chosen)), rng.choice(self._still, len(chosen)))
         pictures, masks = augmented(self.pairs.pictures[chosen], self.pairs.masks[chosen], rng)
         if cut:
             x, y = self._cut_out(pictures, masks, rng)
