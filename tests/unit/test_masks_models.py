@@ -239,7 +239,7 @@ def test_a_resumed_run_ends_as_one_that_was_not(name):
 
 
 def test_only_pairs_in_which_something_moved_are_cut_out():
-    trainer = Trainer("flownet", Recipe(visits=400, batch_size=64), some_pairs(12), seed=3, **SMALL["flownet"])
+    trainer = Trainer("flownet", Recipe(visits=4000, batch_size=64), some_pairs(12), seed=3, **SMALL["flownet"])
     kinds = set()
     for trainer.step in range(8):
         _, masks, moved = trainer._batch()

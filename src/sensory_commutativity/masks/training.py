@@ -59,9 +59,9 @@ class Stage(NamedTuple):
 
 
 STAGES = (Stage(0.4, 0.0, 0.65), Stage(FIRST, 0.5, 0.65), Stage(0.82, 0.8, 0.65), Stage(1.0, 0.5, 0.3, 0.6))
-"""Chosen, in turn, as docs/differences.md tells: steps with a quarter of the pixels first, since they cost a quarter; then whole pictures, which alone
-show the outcome and large things; at last more that moved, and more at half the resolution, where things look as small as through a camera with
-twice the field of view."""
+"""Chosen, in turn, as docs/differences.md tells: steps with a quarter of the pixels first, since they cost a quarter; then whole pictures, which
+alone show the outcome and large things; at last more that moved, and more at half the resolution, where things look as small as through a camera
+with twice the field of view."""
 
 
 @dataclass(frozen=True)
