@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import UserError
+from ..worlds.apartment import frames as fr
 from ..worlds.apartment.scene import IDENTITIES
 from .household import TRIES, Household, View, displaced
 from .outcome import SEEN, Outcome, outcome_of
@@ -21,12 +22,16 @@ PAIRS_PER_SCATTER = 60
 """Pairs with the same objects in the same places; chosen: scattering takes as long as some five of them."""
 FALL, ROLL = 30, 120
 """Substeps (an eighth and half a second) in which an object that was put down, or pushed, comes to rest."""
-NEAR = 0.6
+NEAR = 0.85
 """Of the pairs, those with the robot's hand beside an object, as in most SC-experiments on objects; the others begin anywhere."""
-BY_HAND = 0.7
+BY_HAND = 0.5
 """Of the pairs in which something moves, those in which it is what is nearest the hand; chosen: SC-experiments mostly move what they touch."""
 STILL = 0.5
 """Of the pairs of a robot that came back, those in which it came back exactly; chosen: as most do in SC-experiments of an arm."""
+STRAIGHT = 0.6
+"""Of the pairs, those in which the robot looks as it does in SC-experiments; chosen."""
+GAZE = math.radians(22.5)
+"""How far it looks aside, up or down in the others, at most; chosen: to the edge of what a camera of twice the field of view, 90 degrees, sees."""
 ATTEMPTS = 3_000
 """Situations that are tried for one pair; chosen: a hundred times what the apartments here need."""
 
@@ -56,6 +61,7 @@ class PairFactory:
         self.household, self.simulation, self.rng = household, household.simulation, household.rng
         self.camera = household.cameras[0]
         self._since = PAIRS_PER_SCATTER
+        self._gaze = np.eye(4)
 
     def pair(self, outcome: Outcome) -> Pair:
         """A pair with this outcome; situations in which it does not come about are drawn anew."""
@@ -67,6 +73,7 @@ class PairFactory:
             if self.rng.uniform() >= NEAR or not self.household.begin_near_an_object():
                 self.household.begin()
             self._since += 1
+            self._gaze = self._some_gaze()
             made = make()
             if made is not None and made.outcome == outcome:
                 return made
@@ -79,8 +86,15 @@ class PairFactory:
 
     def _look(self, jitter: float = 0.0) -> View:
         """What is seen; `jitter`, degrees, is the scale of how the camera is turned."""
-        eye = self.simulation.eye_pose()
+        eye = self.simulation.eye_pose() @ self._gaze
         return self.household.look(jittered(eye, jitter, self.rng) if jitter else eye, some_light(self.rng))
+
+    def _some_gaze(self) -> np.ndarray:
+        """How the camera is turned from where the head points, in both pictures of a pair: float64 (4, 4)."""
+        if self.rng.uniform() < STRAIGHT:
+            return np.eye(4)
+        aside, down = self.rng.uniform(-GAZE, GAZE, 2)
+        return fr.turned(np.array([0.0, 0.0, 1.0]), aside) @ fr.turned(np.array([0.0, 1.0, 0.0]), down)
 
     def _made(self, first: View, second: View, moved: np.ndarray, kind: str) -> Pair:
         (picture, *_), (other, *_) = first.pictures, second.pictures
@@ -151,10 +165,11 @@ class PairFactory:
     # ---- objects -----------------------------------------------------------------------------------------------------------
 
     def _seen(self, view: View) -> np.ndarray:
-        """Numbers of the objects that are in sight, in random order: int (k,)."""
+        """Numbers of the objects that are in sight, in random order, in which those that fill more of the picture tend to come first: int (k,)."""
         identity = view.pictures[0].identity
         counts = np.bincount(np.where(identity < IDENTITIES["fixture"], identity, 0).ravel(), minlength=len(self.household.scattered) + 1)[1:]
-        return self.rng.permutation(np.nonzero(counts >= SEEN)[0])
+        seen = np.nonzero(counts >= SEEN)[0]
+        return seen[np.argsort(self.rng.exponential(size=len(seen)) / counts[seen])]
 
     def _move_some(self, first: View, before: np.ndarray) -> bool:
         """Displace some of what is seen; whatever did not move as far as counts is put back to the last bit. False if nothing could be moved."""
