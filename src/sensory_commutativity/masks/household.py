@@ -35,9 +35,9 @@ BESIDE = (0.4, 0.15)
 """Metres from the hand to that object, in the plane and in height; chosen: as far as a hand comes in a second."""
 LYING = 0.2
 """Of the scattered objects, those laid on their side; chosen: as what arms have pushed over."""
-RECOLOURED = 0.8
+RECOLOURED = 0.6
 """Of the scenes to learn from, those whose rooms and furniture have other colours; chosen: one apartment has to stand for all."""
-OWN = 0.4
+OWN = 0.5
 """Of the objects to learn from, those with their own size and colours; chosen: as they are met in tests."""
 _AWAY = 40.0  # metres: where objects are that found no place
 

@@ -18,11 +18,11 @@ from .household import TRIES, Household, View, displaced
 from .outcome import SEEN, Outcome, outcome_of
 from .sensor import JITTER, jittered, photographed, some_light
 
-PAIRS_PER_SCATTER = 60
+PAIRS_PER_SCATTER = 100
 """Pairs with the same objects in the same places; chosen: scattering takes as long as some five of them."""
 FALL, ROLL = 30, 120
 """Substeps (an eighth and half a second) in which an object that was put down, or pushed, comes to rest."""
-NEAR = 0.85
+NEAR = 0.75
 """Of the pairs, those with the robot's hand beside an object, as in most SC-experiments on objects; the others begin anywhere."""
 BY_HAND = 0.5
 """Of the pairs in which something moves, those in which it is what is nearest the hand; chosen: SC-experiments mostly move what they touch."""

@@ -125,6 +125,8 @@ class Trainer:
         self.step = 0
         self.losses: list[float] = []
         self._moved, self._still = np.nonzero(pairs.outcome == MOVED)[0], np.nonzero(pairs.outcome != MOVED)[0]
+        sizes = np.sqrt(pairs.masks[self._moved].sum((1, 2, 3)))
+        self._chances = sizes / sizes.sum()
 
     @property
     def finished(self) -> bool:
@@ -162,9 +164,7 @@ class Trainer:
         stage = self.recipe.stage(self.step)
         whole = stage.whole > 0 and rng.uniform() < stage.whole
         cut = not whole and rng.uniform() < stage.cut and len(self._moved) > 0
-        chosen = rng.choice(self._moved if cut else len(self.pairs.outcome), self.recipe.batch_size)
-        if not cut and stage.moved is not None and min(len(self._moved), len(self._still)) > 0:
-            chosen = np.where(rng.uniform(size=len(chosen)) < stage.moved, rng.choice(self._moved, len(chosen)), rng.choice(self._still, len(chosen)))
+        chosen = self._chosen(1.0 if cut else stage.moved, rng)
         pictures, masks = augmented(self.pairs.pictures[chosen], self.pairs.masks[chosen], rng)
         if cut:
             x, y = self._cut_out(pictures, masks, rng)
@@ -174,6 +174,13 @@ class Trainer:
                 x, y = functional.avg_pool2d(x.flatten(0, 1), 2).unflatten(0, (-1, 2)), functional.avg_pool2d(y, 2)
         moved = torch.from_numpy(self.pairs.outcome[chosen] == MOVED).to(self.device)
         return x, y, moved & (y > 0.5).flatten(1).any(1)
+
+    def _chosen(self, moved: float | None, rng: np.random.Generator) -> np.ndarray:
+        """Numbers of the pairs of a step, int (n,), of which so many are such in which something moved; the larger, the more often."""
+        n = self.recipe.batch_size
+        if moved is None or not len(self._moved) or not len(self._still):
+            return rng.choice(len(self.pairs.outcome), n)
+        return np.where(rng.uniform(size=n) < moved, rng.choice(self._moved, n, p=self._chances), rng.choice(self._still, n))
 
     def _cut_out(self, pictures: np.ndarray, masks: np.ndarray, rng: np.random.Generator) -> tuple[Tensor, Tensor]:
         """Of each pair the same part of both pictures, of half the height and width: float (n, 2, 3, h / 2, w / 2) and (n, 2, h / 2, w / 2)."""
