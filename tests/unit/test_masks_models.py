@@ -18,7 +18,7 @@ from sensory_commutativity.masks.pairs import Pair
 from sensory_commutativity.masks.predictor import MODELS, PREDICTORS, MaskPredictor, PredictorError, checked, load_predictor
 from sensory_commutativity.masks.raft import MaskRaft
 from sensory_commutativity.masks.store import Pairs, StoreError, pack, read_arrays, read_pairs, unpack, write_arrays, write_pairs
-from sensory_commutativity.masks.training import AIMED, LOWER, STAGES, Recipe, Trainer, augmented, learning_rate
+from sensory_commutativity.masks.training import AIMED, STAGES, Recipe, Trainer, augmented, learning_rate
 
 IDENTICAL, DIFFERENT, MOVED = range(3)
 SMALL = {"raft": dict(widths=(8, 12, 16, 16, 24), hidden=16, context=16, updates=2, fine=12, sharp=8), "flownet": dict(scale=0.05)}
@@ -201,14 +201,12 @@ def test_the_image_difference_forgives_a_pixel_and_exposure_and_sees_the_rest():
 # ---- training ----------------------------------------------------------------------------------------------------------------
 
 
-def test_the_learning_rate_rises_and_falls_twice():
+def test_the_learning_rate_rises_and_falls():
     recipe = Recipe(visits=4800, learning_rate=0.01)
     rates = np.array([learning_rate(recipe, step) for step in range(recipe.steps)])
-    assert recipe.first == 200
-    for cycle, highest in ((rates[:200], 0.01), (rates[200:], LOWER * 0.01)):
-        top = int(np.argmax(cycle))
-        assert max(cycle) == pytest.approx(highest) and 0 < top < 15 and cycle[-1] < 1e-5
-        assert all(np.diff(cycle[: top + 1]) > 0) and all(np.diff(cycle[top + 1 :]) < 0)
+    top = int(np.argmax(rates))
+    assert max(rates) == pytest.approx(0.01) and 0 < top < 20 and rates[-1] < 1e-5
+    assert all(np.diff(rates[: top + 1]) > 0) and all(np.diff(rates[top + 1 :]) < 0)
 
 
 def test_a_trained_model_fits_what_it_is_shown():
@@ -245,7 +243,7 @@ def test_only_pairs_in_which_something_moved_are_cut_out():
         _, masks, moved = trainer._batch()
         whole = bool((masks > 0.5).flatten(1).all(1).any())  # pairs of another view are among them
         kinds.add(whole)
-        assert 0.1 < moved.float().mean() < 0.5 if whole else moved.float().mean() > 0.5
+        assert 0.4 < moved.float().mean() < 0.8 if whole else moved.float().mean() > 0.8
     assert kinds == {True, False}
 
 
@@ -263,7 +261,6 @@ def test_augmentation_changes_both_pictures_alike_and_takes_the_masks_along():
 
 def test_a_stage_shows_what_it_says():
     trainer = Trainer("flownet", Recipe(visits=24_000, batch_size=4), some_pairs(), seed=3, **SMALL["flownet"])
-    assert trainer.recipe.first == 4000 and STAGES[1].until == pytest.approx(4000 / trainer.recipe.steps)
     starts = [0, *(round(stage.until * trainer.recipe.steps) for stage in STAGES)]
     assert starts[-1] == trainer.recipe.steps
     for stage, start, end in zip(STAGES, starts, starts[1:], strict=False):
@@ -275,7 +272,7 @@ def test_a_stage_shows_what_it_says():
             moved.append(float(is_moved.float().mean()) if whole[-1] else np.nan)
         assert np.mean(whole) == pytest.approx(stage.whole, abs=0.2) and any(whole) == (stage.whole > 0)
         if stage.whole:
-            assert np.nanmean(moved) == pytest.approx(stage.moved or 1 / 3, abs=0.12)
+            assert np.nanmean(moved) == pytest.approx(stage.moved, abs=0.12)
 
 
 def test_parts_are_cut_out_where_something_moved():

@@ -17,11 +17,11 @@ def _convolution(inputs: int, outputs: int, kernel: int = 3, stride: int = 1) ->
 class MaskFlowNet(nn.Module):
     """FlowNet-S with the logits of two masks in place of flow.
 
-    Its channels are the original's times `scale`, its sixth level, of 2 x 2 pixels here, is left out; `scale` 0.21 makes about as many parameters as
+    Its channels are the original's times `scale`, its sixth level, of 2 x 2 pixels here, is left out; `scale` 0.26 makes about as many parameters as
     :class:`.raft.MaskRaft` has. As in the original the finest prediction has a quarter of the resolution, and is brought to full size bilinearly.
     """
 
-    def __init__(self, scale: float = 0.21):
+    def __init__(self, scale: float = 0.26):
         super().__init__()
         self.architecture = dict(scale=scale)
         wide = [max(8, round(channels * scale)) for channels in CHANNELS]

@@ -137,8 +137,7 @@ class Household:
             base, joints = simulation.base(), simulation.joints()
             spread = np.minimum(1.0, np.diff(simulation.robot.limits)[:, 0] / 6)
             for _ in range(TRIES):
-                simulation.put_robot(base, np.clip(joints + rng.normal(0, 0.6, len(joints)) * spread, *simulation.robot.limits.T))
-                if not simulation.penetrates():
+                if simulation.fits(base, np.clip(joints + rng.normal(0, 0.6, len(joints)) * spread, *simulation.robot.limits.T)):
                     break
             else:
                 simulation.put_robot(base, joints)
@@ -160,8 +159,7 @@ class Household:
             y -= ahead * math.sin(heading) + left * math.cos(heading)
             if not any(area.x[0] < x < area.x[1] and area.y[0] < y < area.y[1] for area in self.scene.areas):
                 continue
-            simulation.put_robot(np.array([x, y, heading]), joints)
-            if not simulation.penetrates():
+            if simulation.fits(np.array([x, y, heading]), joints):
                 return True
         return False
 

@@ -136,8 +136,7 @@ class PairFactory:
             self._move_some(first, before)
         for _ in range(TRIES):
             there, bent = self._elsewhere(kind, base.copy(), joints.copy())
-            simulation.put_robot(there, np.clip(bent, *simulation.robot.limits.T))
-            if not simulation.penetrates():
+            if simulation.fits(there, np.clip(bent, *simulation.robot.limits.T)):
                 return self._made(first, self._look(), displaced(before, simulation.object_poses()), kind)
         return None
 

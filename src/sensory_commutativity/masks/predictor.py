@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,6 +17,7 @@ from .difference import difference
 from .flownet import MaskFlowNet
 from .outcome import OUTCOMES, Outcome
 from .raft import MaskRaft
+from .second_look import look_again
 
 MODELS: dict[str, Callable[..., nn.Module]] = {"raft": MaskRaft, "flownet": MaskFlowNet}
 UNTRAINED = "difference"
@@ -24,8 +25,6 @@ PREDICTORS = (*MODELS, UNTRAINED)
 """Everything that two pictures can be given to."""
 SIDE_STEP, LEAST_SIDE = 32, 64
 """Pixels: sides of pictures are multiples of the first and no less than the second."""
-_WAYS = ((), (-1,), (1,), (1, -1))
-"""Axes of pairs and of their masks, (n, 2, ..., w), that are turned round: none, as in a mirror, exchanged, both."""
 _FORMAT = 3
 
 
@@ -58,33 +57,30 @@ class MaskPredictor:
         self.name, self.rule, self.device = name, rule or Rule(), device
         self.model = model.to(device).eval() if model is not None else None
 
-    def probabilities(self, pictures: np.ndarray, batch_size: int = 16) -> np.ndarray:
+    def probabilities(self, pictures: np.ndarray, batch_size: int = 16, again: bool = True) -> np.ndarray:
         """Probability of change at every pixel: float32 (n, 2, h, w), of pictures uint8 (n, 2, h, w, 3). Raises PredictorError for other arrays.
 
-        Specks too small for anything that counts as in sight are taken away. Pairs in which something seems to have moved are looked at in four ways,
-        as they are, mirrored, exchanged and both, whose logits are averaged, and :func:`.decision.settled`.
+        Specks too small for anything that counts as in sight are taken away. If `again`, pairs in which something seems to have moved get
+        a second look (:mod:`.second_look`), and doubts about which view it is in are settled (:func:`.decision.settled`).
         """
         pictures = checked(pictures)
         if self.model is None:
             return cleaned(difference(pictures))
-        found = cleaned(_sigmoid(self._logits(pictures, batch_size)))
-        again = (found > MASK).any((1, 2, 3)) & (found.mean((1, 2, 3)) <= MASK)
-        if again.any():
-            found[again] = settled(cleaned(_sigmoid(self._logits(pictures[again], batch_size, _WAYS))))
-        return found
-
-    def _logits(self, pictures: np.ndarray, batch_size: int, ways: Sequence[tuple[int, ...]] = ((),)) -> np.ndarray:
-        """Mean logits over several ways of looking at each pair, each the axes that are turned round: float32 (n, 2, h, w)."""
         found = np.empty(pictures.shape[:4], np.float32)
         with torch.inference_mode():
             for start in range(0, len(pictures), batch_size):
-                x = as_tensor(pictures[start : start + batch_size], self.device)
-                seen = []
-                for way in ways:
-                    turned = x.flip(way)
-                    seen.append(self.model(turned[:, 0], turned[:, 1])[-1].float().flip(way))
-                found[start : start + batch_size] = torch.stack(seen).mean(0).cpu().numpy()
+                part = slice(start, start + batch_size)
+                x = as_tensor(pictures[part], self.device)
+                found[part] = cleaned(_probabilities(self._see(x)))
+                some = start + np.nonzero((found[part] > MASK).any((1, 2, 3)) & (found[part].mean((1, 2, 3)) <= MASK))[0]
+                if again and len(some):
+                    logits = look_again(self._see, x[some - start], (found[some] > MASK).any(1), LEAST_SIDE)
+                    found[some] = settled(cleaned(_probabilities(logits)))
         return found
+
+    def _see(self, pictures: Tensor) -> Tensor:
+        """Logits, float (n, 2, h, w), of pictures float (n, 2, 3, h, w)."""
+        return self.model(pictures[:, 0], pictures[:, 1])[-1].float()
 
     def predict(self, first: np.ndarray, second: np.ndarray) -> Prediction:
         """What became of one pair of pictures, uint8 (h, w, 3) each, as :meth:`probabilities` sees them. Raises PredictorError for other arrays."""
@@ -152,8 +148,8 @@ def best_device() -> str:
     return "cuda" if torch.cuda.is_available() else "cpu"
 
 
-def _sigmoid(logits: np.ndarray) -> np.ndarray:
-    return torch.sigmoid(torch.from_numpy(logits)).numpy()
+def _probabilities(logits: Tensor) -> np.ndarray:
+    return torch.sigmoid(logits).cpu().numpy()
 
 
 def _size(picture: np.ndarray) -> str:

@@ -49,9 +49,9 @@ class MaskRaft(nn.Module):
 
     def __init__(
         self,
-        widths=(32, 32, 64, 64, 64),
-        hidden: int = 48,
-        context: int = 48,
+        widths=(32, 32, 80, 80, 96),
+        hidden: int = 64,
+        context: int = 64,
         levels: int = 3,
         radius: int = 3,
         updates: int = 3,

@@ -3,7 +3,7 @@
 AdamW, gradients clipped, mixed precision where the processor has it. Pairs are mirrored, exchanged and recoloured alike in both pictures, and, as
 in RAFT's own recipe, cut out and scaled: a step takes whole pictures, or whole ones at half the resolution, or, of pairs in which something moved,
 a quarter of each picture around it, which shows more of it in a quarter of the time. As RAFT is trained in stages, so is this: STAGES say how much of
-each there is, in two cycles of the learning rate, of which the second is lower.
+each there is, within one cycle of the learning rate.
 Everything random follows from the seed and the step, so a run that was resumed ends as one that was not.
 """
 
@@ -27,10 +27,7 @@ from .store import Pairs
 CLIP = 1.0
 """Largest norm of the gradient (RAFT)."""
 WARM = 0.05
-"""Of the steps of a cycle, in which the learning rate rises (RAFT)."""
-FIRST, LOWER = 2 / 3, 0.3
-"""Of all steps, those of the first cycle; highest learning rate of the second, in that of the first. Chosen: late in a first cycle, things that
-fill much of the picture were seen in the wrong view more often than small ones (docs/differences.md)."""
+"""Of the steps, in which the learning rate rises (RAFT)."""
 AIMED, ENLARGED = 0.75, 0.3
 """Of what is cut out, how much is so around a pixel that moved, the rest being anywhere, and how much is smaller still and enlarged up to twice;
 chosen: pictures with another field of view are enlarged too."""
@@ -48,20 +45,20 @@ class Stage(NamedTuple):
         Of its steps, those with whole pictures.
     cut : float
         Of the others, those that are cut out; the rest is at half the resolution.
-    moved : float, optional
-        Of the pairs that are not cut out, those in which something moved; else as many as there are.
+    moved : float
+        Of the pairs that are not cut out, those in which something moved.
     """
 
     until: float
     whole: float
     cut: float
-    moved: float | None = None
+    moved: float
 
 
-STAGES = (Stage(0.4, 0.0, 0.65), Stage(FIRST, 0.5, 0.65), Stage(0.82, 0.8, 0.65), Stage(1.0, 0.5, 0.3, 0.6))
-"""Chosen, in turn, as docs/differences.md tells: steps with a quarter of the pixels first, since they cost a quarter; then whole pictures, which
-alone show the outcome and large things; at last more that moved, and more at half the resolution, where things look as small as through a camera
-with twice the field of view."""
+STAGES = (Stage(0.45, 0.0, 0.6, 0.6), Stage(0.8, 0.4, 0.5, 0.6), Stage(1.0, 0.5, 0.35, 0.6))
+"""Chosen, as docs/differences.md tells: steps with a quarter of the pixels first, since they cost a quarter; then more and more whole pictures, which
+alone show the outcome and large things. Half the resolution shows things as small as through a camera with twice the field of view, and what is
+nearest and largest as a whole. What moved is harder to see than that nothing did."""
 
 
 @dataclass(frozen=True)
@@ -77,29 +74,17 @@ class Recipe:
     def steps(self) -> int:
         return math.ceil(self.visits / self.batch_size)
 
-    @property
-    def first(self) -> int:
-        """Steps of the first cycle."""
-        return round(FIRST * self.steps)
-
     def stage(self, step: int) -> Stage:
         """What a step shows."""
         return next(stage for stage in STAGES if step < round(stage.until * self.steps) or stage is STAGES[-1])
 
 
 def learning_rate(recipe: Recipe, step: int) -> float:
-    """Two cycles, each up along a line and down along half a cosine."""
-    if step < recipe.first:
-        return recipe.learning_rate * _cycle(step, recipe.first)
-    return LOWER * recipe.learning_rate * _cycle(step - recipe.first, recipe.steps - recipe.first)
-
-
-def _cycle(step: int, steps: int) -> float:
-    """A cycle of the learning rate, in its highest value."""
-    warm = max(1, round(WARM * steps))
+    """Up along a line and down along half a cosine."""
+    warm = max(1, round(WARM * recipe.steps))
     if step < warm:
-        return (step + 1) / warm
-    return 0.5 * (1 + math.cos(math.pi * (step - warm) / max(1, steps - warm)))
+        return recipe.learning_rate * (step + 1) / warm
+    return recipe.learning_rate * 0.5 * (1 + math.cos(math.pi * (step - warm) / max(1, recipe.steps - warm)))
 
 
 class Trainer:
@@ -175,10 +160,10 @@ class Trainer:
         moved = torch.from_numpy(self.pairs.outcome[chosen] == MOVED).to(self.device)
         return x, y, moved & (y > 0.5).flatten(1).any(1)
 
-    def _chosen(self, moved: float | None, rng: np.random.Generator) -> np.ndarray:
+    def _chosen(self, moved: float, rng: np.random.Generator) -> np.ndarray:
         """Numbers of the pairs of a step, int (n,), of which so many are such in which something moved; the larger, the more often."""
         n = self.recipe.batch_size
-        if moved is None or not len(self._moved) or not len(self._still):
+        if not len(self._moved) or not len(self._still):
             return rng.choice(len(self.pairs.outcome), n)
         return np.where(rng.uniform(size=n) < moved, rng.choice(self._moved, n, p=self._chances), rng.choice(self._still, n))
 
@@ -214,7 +199,7 @@ def augmented(pictures: np.ndarray, masks: np.ndarray, rng: np.random.Generator)
             pictures[i], masks[i] = pictures[i, ::-1].copy(), masks[i, ::-1].copy()
         if rng.uniform() < 0.5:
             pictures[i] = pictures[i][..., rng.permutation(3)]
-        gain, shift = rng.uniform(0.75, 1.3, 3), rng.uniform(-15, 15, 3)
+        gain, shift = math.exp(rng.uniform(-0.5, 0.25)) * rng.uniform(0.85, 1.2, 3), rng.uniform(-15, 15, 3)  # other homes are darker
         pictures[i] = np.clip(pictures[i] * gain + shift, 0, 255)
     return pictures, masks
 

@@ -88,9 +88,9 @@ def _told(model: ModelName, row: dict[str, float], steps: int) -> str:
 
 
 def _row(trainer: Trainer, rows: list[dict[str, float]], held_out: Pairs) -> dict[str, float]:
-    """How far training has got, on pairs that it does not show."""
+    """How far training has got, on pairs that it does not show, at first sight."""
     before = rows[-1]["step"] if rows else 0
-    found = MaskPredictor(trainer.name, trainer.model, device=trainer.device).probabilities(held_out.pictures)
+    found = MaskPredictor(trainer.name, trainer.model, device=trainer.device).probabilities(held_out.pictures, again=False)
     moved = held_out.outcome == MOVED
     iou = intersection_over_union(found[moved], held_out.masks[moved])
     return dict(

@@ -114,6 +114,18 @@ class Simulation:
 
     def put_robot(self, base: np.ndarray, joints: np.ndarray) -> None:
         """As :meth:`place`, but leave the objects where they are, and clip nothing."""
+        self._put_robot(base, joints)
+        self._begin_record(self._object_positions())
+
+    def fits(self, base: np.ndarray, joints: np.ndarray) -> bool:
+        """:meth:`put_robot`, and whether it is inside nothing there; if it is, nothing is counted anew, so that trying many places is quick."""
+        self._put_robot(base, joints)
+        free = not self.penetrates()
+        if free:
+            self._begin_record(self._object_positions())
+        return free
+
+    def _put_robot(self, base: np.ndarray, joints: np.ndarray) -> None:
         x, y, heading = (float(value) for value in base)
         positions = [float(value) for value in joints]
         if self.robot.wheels:
@@ -125,7 +137,6 @@ class Simulation:
             pybullet.resetJointState(self._robot, axis, position, 0.0, physicsClientId=self._client)
         self._place = np.array([x, y, heading])
         self._control = at_rest(self._law, np.array(positions))
-        self._begin_record(self._object_positions())
 
     def keep_objects(self) -> None:
         """From now on :meth:`place` puts the objects where they are at this moment."""
