@@ -31,7 +31,5 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
             axes.set_ylim(0, 1.03)
     grid[0].legend()
     data = config.masks.data
-    figure.suptitle(
-        f"{3 * data.pairs:,} pairs to learn from, {3 * data.validation_pairs:,} held out; one run each, half resolution first", fontsize=9
-    )
+    figure.suptitle(f"{3 * data.pairs:,} pairs to learn from, {3 * data.validation_pairs:,} held out; one run each", fontsize=9)
     return figure
