@@ -66,8 +66,8 @@ class Household:
     objects : int
         How many there are.
     varied : bool
-        Whether objects have other sizes and colours than their own, and rooms other colours in most scenes: to learn from. To test on, things
-        are as they are.
+        Whether half of the objects have other sizes and colours than their own, and rooms other colours in most scenes: to learn from. To test on,
+        things are as they are.
 
     Attributes
     ----------
@@ -199,7 +199,7 @@ def _half_height(movable: Movable) -> float:
 
 
 def _random_object(family: Family, i: int, rng: np.random.Generator, varied: bool) -> Movable:
-    """An object of the family; varied: of another size and in other colours."""
+    """An object of the family; varied: unless it keeps its OWN looks, of another size and in other colours."""
     what = OBJECTS[str(rng.choice(of_family(family)))]
     place = (_AWAY + i, _AWAY, 0.5)
     if not varied or rng.uniform() < OWN:

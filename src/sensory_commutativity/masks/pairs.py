@@ -1,7 +1,8 @@
 """Pairs of pictures with the three outcomes of an SC-experiment, made without playing one (paper, section IV-A, "Training").
 
 What makes the pairs honest: light, exposure, noise and the camera differ a little between the two pictures of a pair; robots come back almost, not
-only exactly or not at all; objects move by centimetres or metres; the robot's arm is in sight, and sometimes it is all that moved.
+only exactly or not at all; objects move by centimetres or metres; the robot's arm is in sight, and sometimes it is all that moved. Some robots look
+aside, so that all of the arm is seen.
 """
 
 from __future__ import annotations
@@ -164,7 +165,8 @@ class PairFactory:
     # ---- objects -----------------------------------------------------------------------------------------------------------
 
     def _seen(self, view: View) -> np.ndarray:
-        """Numbers of the objects that are in sight, in random order, in which those that fill more of the picture tend to come first: int (k,)."""
+        """Numbers of the objects that are in sight, int (k,), drawn one after the other by how much of the picture they fill
+        (exponential clocks: Efraimidis and Spirakis 2006)."""
         identity = view.pictures[0].identity
         counts = np.bincount(np.where(identity < IDENTITIES["fixture"], identity, 0).ravel(), minlength=len(self.household.scattered) + 1)[1:]
         seen = np.nonzero(counts >= SEEN)[0]

@@ -76,7 +76,7 @@ class Recipe:
 
     def stage(self, step: int) -> Stage:
         """What a step shows."""
-        return next(stage for stage in STAGES if step < round(stage.until * self.steps) or stage is STAGES[-1])
+        return next(stage for stage in STAGES if step < round(stage.until * self.steps))
 
 
 def learning_rate(recipe: Recipe, step: int) -> float:
