@@ -7,7 +7,6 @@ where to start.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
 
@@ -16,11 +15,11 @@ import pybullet
 
 from . import frames as fr
 from .body import BASE_JOINTS, Collider, build_body
-from .control import DT, SUBSTEPS, Control, advance, at_rest, begin, law_of
+from .control import DT, SUBSTEPS, advance, at_rest, begin, law_of
 from .robot import Robot
 from .scene import Scene
 from .scenery import FRICTION, build_scenery
-from .states import BulletWorld, State
+from .states import BulletWorld, Situation, State
 
 GRAVITY = 9.81
 ITERATIONS = 30
@@ -43,17 +42,6 @@ class Touches(NamedTuple):
     movable: int
     itself: int
     at_limit: int  # a joint was commanded beyond its limit
-
-
-@dataclass(frozen=True)
-class Situation:
-    """Everything about a simulation at one moment. Only the simulation that it was taken from can be put back into it."""
-
-    state: State
-    control: Control
-    place: np.ndarray  # float64 (3,): where the robot was put, which is where it is if it has no drive
-    origins: np.ndarray  # float64 (movables, 3): where the objects are
-    asleep: tuple[bool, ...]  # which of them Bullet lets rest
 
 
 class Simulation:

@@ -90,7 +90,6 @@ def _draw(simulation: Simulation, rng: np.random.Generator, tries: int) -> tuple
     for drawn in range(1, tries + 1):
         area = areas[int(rng.choice(len(areas), p=sizes / sizes.sum()))]
         base, joints = np.array([rng.uniform(*area.x), rng.uniform(*area.y), rng.uniform(-math.pi, math.pi)]), simulation.robot.draw_joints(rng)
-        simulation.put_robot(base, np.clip(joints, *simulation.robot.limits.T))
-        if not simulation.penetrates():
+        if simulation.fits(base, np.clip(joints, *simulation.robot.limits.T)):
             return drawn, True
     return tries, False

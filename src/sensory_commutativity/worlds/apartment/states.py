@@ -1,10 +1,14 @@
-"""PyBullet's worlds and their saved states, closed and forgotten with the last one who uses them."""
+"""PyBullet's worlds and their saved states, closed and forgotten with the last one who uses them; and what else a moment of a simulation is."""
 
 from __future__ import annotations
 
 import weakref
+from dataclasses import dataclass
 
+import numpy as np
 import pybullet
+
+from .control import Control
 
 
 class BulletWorld:
@@ -25,3 +29,14 @@ class State:
     def __del__(self) -> None:
         if self.world.close.alive:
             pybullet.removeState(self.number, physicsClientId=self.world.client)
+
+
+@dataclass(frozen=True)
+class Situation:
+    """Everything about a simulation at one moment. Only the simulation that it was taken from can be put back into it."""
+
+    state: State
+    control: Control
+    place: np.ndarray  # float64 (3,): where the robot was put, which is where it is if it has no drive
+    origins: np.ndarray  # float64 (movables, 3): where the objects are
+    asleep: tuple[bool, ...]  # which of them Bullet lets rest

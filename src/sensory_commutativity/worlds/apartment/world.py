@@ -11,8 +11,9 @@ import numpy as np
 from .camera import Camera, Piece, Renderer
 from .robot import Robot
 from .scene import IDENTITIES, Scene
-from .simulation import Simulation, Situation
+from .simulation import Simulation
 from .starts import draw_start
+from .states import Situation
 
 
 class Happened(NamedTuple):
