@@ -13,9 +13,9 @@ from sensory_commutativity.masks.difference import difference
 from sensory_commutativity.masks.flownet import MaskFlowNet
 from sensory_commutativity.masks.loss import dice_loss, mask_loss
 from sensory_commutativity.masks.outcome import OUTCOMES
-from sensory_commutativity.masks.own import predict_files
+from sensory_commutativity.masks.own import as_trained, predict_files
 from sensory_commutativity.masks.pairs import Pair
-from sensory_commutativity.masks.predictor import MODELS, PREDICTORS, MaskPredictor, PredictorError, as_tensor, checked, load_predictor
+from sensory_commutativity.masks.predictor import MODELS, PREDICTORS, MaskPredictor, Prediction, PredictorError, as_tensor, checked, load_predictor
 from sensory_commutativity.masks.raft import MaskRaft
 from sensory_commutativity.masks.store import Pairs, StoreError, pack, read_arrays, read_pairs, unpack, write_arrays, write_pairs
 from sensory_commutativity.masks.training import AIMED, STAGES, Recipe, Trainer, augmented, learning_rate
@@ -372,6 +372,34 @@ def test_ones_own_pictures(predictor, tmp_path):
     for wrong, message in ((tmp_path / "text.png", "cannot be read as a picture"), (tmp_path / "none.png", "there is no such file")):
         with pytest.raises(PredictorError, match=message):
             predict_files(tmp_path / "a.png", wrong, predictor, tmp_path / "out.png")
+    Image.fromarray(second[:40, :200]).save(tmp_path / "tiny.png")
+    with pytest.raises(PredictorError, match="40 x 128 pixels; give such of which both sides have at least 64"):
+        predict_files(tmp_path / "tiny.png", tmp_path / "tiny.png", predictor, tmp_path / "out.png")
     Image.fromarray(second[:64]).save(tmp_path / "small.png")
     with pytest.raises(PredictorError, match="different sizes, 128 x 128 and 64 x 128"):
         predict_files(tmp_path / "a.png", tmp_path / "small.png", predictor, tmp_path / "out.png")
+
+
+@pytest.mark.parametrize(("sides", "seen"), [((128, 128), (128, 128)), ((480, 640), (128, 160)), ((3000, 2000), (192, 128)), ((64, 300), (128, 608))])
+def test_ones_own_pictures_are_seen_as_large_as_those_of_the_training(sides, seen):
+    picture = np.tile(np.linspace(0, 255, sides[1]).astype(np.uint8)[:, None], (sides[0], 1, 3))
+    found = as_trained(picture)
+    assert found.shape == (*seen, 3) and found.dtype == np.uint8
+    assert np.abs(found[0, :, 0] - np.linspace(0, 255, seen[1])).max() < 4
+
+
+def test_what_moved_in_ones_own_large_pictures_is_outlined_where_it_is(predictor, tmp_path, monkeypatch):
+    def predict(self, *pictures):
+        assert all(picture.shape == (128, 160, 3) for picture in pictures)
+        probabilities = np.zeros((2, 128, 160), np.float32)
+        probabilities[0, 32:64, 40:80] = 1
+        return Prediction("moved", probabilities)
+
+    monkeypatch.setattr(MaskPredictor, "predict", predict)
+    Image.new("RGB", (1280, 1024)).save(tmp_path / "a.png")
+    said = predict_files(tmp_path / "a.png", tmp_path / "a.png", predictor, tmp_path / "out.png")
+    assert "moved" in said and "0 in a.png" in said
+    shown = np.asarray(Image.open(tmp_path / "out.png"))
+    assert shown.shape == (1024, 2560, 3)
+    rows, columns = np.nonzero(shown.any(2))
+    assert (rows.min(), rows.max() + 1, columns.min(), columns.max() + 1) == (256 - 8, 512 + 8, 320 - 8, 640 + 8)

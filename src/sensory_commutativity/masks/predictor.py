@@ -84,8 +84,7 @@ class MaskPredictor:
 
     def predict(self, first: np.ndarray, second: np.ndarray) -> Prediction:
         """What became of one pair of pictures, uint8 (h, w, 3) each, as :meth:`probabilities` sees them. Raises PredictorError for other arrays."""
-        if first.shape != second.shape:
-            raise PredictorError(f"the pictures have different sizes, {_size(first)} and {_size(second)}; give two pictures of the same camera")
+        of_one_size(first, second)
         probabilities = self.probabilities(np.stack([first, second])[None])
         return Prediction(OUTCOMES[int(outcomes(probabilities, self.rule)[0])], probabilities[0])
 
@@ -122,6 +121,12 @@ def load_predictor(path: Path, expected: str | None = None, device: str = "cpu")
         first = (str(error).splitlines() or ["?"])[0][:100]
         raise PredictorError(f"{path}: weights of another architecture than this version's {state['name']!r} ({first}); train it anew") from None
     return MaskPredictor(state["name"], model, rule, device)
+
+
+def of_one_size(first: np.ndarray, second: np.ndarray) -> None:
+    """Raises PredictorError if two pictures, uint8 (h, w, 3), have different sizes."""
+    if first.shape != second.shape:
+        raise PredictorError(f"the pictures have different sizes, {_size(first)} and {_size(second)}; give two pictures of the same camera")
 
 
 def checked(pictures: np.ndarray) -> np.ndarray:
