@@ -8,7 +8,7 @@ import torch
 from PIL import Image
 
 from sensory_commutativity.checkpoints import CheckpointError, save_state
-from sensory_commutativity.masks.decision import Rule, cleaned, intersection_over_union, outcomes, settled, tune
+from sensory_commutativity.masks.decision import Rule, cleaned, intersection_over_union, outcomes, tune
 from sensory_commutativity.masks.difference import difference
 from sensory_commutativity.masks.flownet import MaskFlowNet
 from sensory_commutativity.masks.loss import dice_loss, mask_loss
@@ -67,16 +67,6 @@ def test_specks_are_taken_away():
     maps[0, 0, :3, :3], maps[0, 0, 50:54, 50:54], maps[0, 1, 0, 0] = 0.9, 0.9, 0.4
     found = cleaned(maps)
     assert (found > 0.5).sum() == 16 and found[0, 1, 0, 0] == np.float32(0.4) and maps.max() > 0
-
-
-def test_a_thing_is_put_into_one_view_where_the_other_is_but_doubt():
-    maps = np.zeros((1, 2, 64, 64), np.float32)
-    maps[0, 0, 4:20, 4:20], maps[0, 1, 4:6, 4:20], maps[0, 1, 20:22, 4:20] = 0.8, 0.9, 0.7  # a blotch within, and one beside it
-    maps[0, :, 40:50, 40:50] = 0.6  # a thing that is seen in both views
-    found = settled(maps)
-    assert (found[0, 0, 4:22, 4:20] > 0.5).all() and not found[0, 1, 4:22, 4:20].any()
-    assert np.array_equal(found[0, :, 40:50, 40:50], maps[0, :, 40:50, 40:50])
-    assert np.array_equal(settled(np.ones((2, 2, 64, 64), np.float32)), np.ones((2, 2, 64, 64)))  # another view stays one
 
 
 class Sided(torch.nn.Module):

@@ -1,4 +1,4 @@
-"""The second look at what moved, with a made-up model that writes down what it is shown."""
+"""The second look, with a made-up model that writes down what it is shown, and the settling of doubts about the view."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 import torch
 
-from sensory_commutativity.masks.second_look import WAYS, look_again
+from sensory_commutativity.masks.predictor import SURE, MaskPredictor
+from sensory_commutativity.masks.second_look import WAYS, look_again, look_from_farther
+from sensory_commutativity.masks.settling import settled
 
 
 class Brightness:
@@ -57,3 +59,70 @@ def test_pairs_of_either_kind_keep_their_places():
     pictures = torch.arange(3.0)[:, None, None, None, None].expand(3, 2, 3, 128, 128)
     where = np.concatenate([changed(1, 128, slice(0, 9), slice(0, 9)), changed(1, 128, slice(0, 128), slice(0, 9)), np.zeros((1, 128, 128), bool)])
     assert torch.allclose(look_again(Brightness(), pictures, where, 64), pictures.mean(2), atol=1e-5)
+
+
+def test_a_look_from_farther():
+    see, pictures = Brightness(), smooth(2)
+    assert torch.allclose(look_from_farther(see, pictures), pictures.mean(2), atol=0.02)
+    assert len(see.shown) == len(WAYS) and see.shown[-1].shape[-1] == 64
+
+
+class Doubtful(torch.nn.Module):
+    """Says with a given probability that all is different, unless it is far away."""
+
+    def __init__(self, probability: float):
+        super().__init__()
+        self.logit = float(torch.logit(torch.tensor(probability)))
+        self.sides: list[int] = []
+
+    def forward(self, first, second):
+        side = first.shape[-1]
+        self.sides += [side] * len(first)
+        logits = torch.full((len(first), 2, side, side), self.logit if side == 128 else -9.0)
+        logits[:, :, :8, :8] = 9.0
+        return [logits]
+
+
+@pytest.mark.parametrize(("probability", "looks_again"), [(SURE + 0.01, False), (SURE - 0.1, True)])
+def test_what_only_just_seems_different_is_seen_from_farther(probability, looks_again):
+    model = Doubtful(probability)
+    found = MaskPredictor("raft", model).probabilities(np.zeros((1, 2, 128, 128, 3), np.uint8))
+    assert (found.mean() < 0.1) == looks_again and model.sides == [128, *([64] * len(WAYS) if looks_again else [])]
+    small = MaskPredictor("raft", model).probabilities(np.zeros((1, 2, 64, 64, 3), np.uint8))  # cannot be halved
+    assert small.shape == (1, 2, 64, 64)
+
+
+def maps_and_pictures() -> tuple[np.ndarray, np.ndarray]:
+    """Nothing seen in grey pictures of 64 x 64."""
+    return np.zeros((1, 2, 64, 64), np.float32), np.full((1, 2, 64, 64, 3), 100, np.uint8)
+
+
+def test_a_thing_is_put_into_one_view_where_the_other_is_but_doubt():
+    maps, pictures = maps_and_pictures()
+    maps[0, 0, 4:20, 4:20], maps[0, 1, 4:6, 4:20], maps[0, 1, 20:22, 4:20] = 0.8, 0.9, 0.7  # a blotch within, and one beside it
+    maps[0, :, 40:50, 40:50] = 0.6  # a thing that is seen in both views
+    found = settled(maps, pictures)
+    assert (found[0, 0, 4:22, 4:20] > 0.5).all() and not found[0, 1, 4:22, 4:20].any()
+    assert np.array_equal(found[0, :, 40:50, 40:50], maps[0, :, 40:50, 40:50])
+    everything = np.ones((2, 2, 64, 64), np.float32)
+    assert np.array_equal(settled(everything, pictures.repeat(2, 0)), everything)  # another view stays one
+    assert not settled(np.zeros_like(maps), pictures).any()
+
+
+@pytest.mark.parametrize("view", [0, 1])
+@pytest.mark.parametrize("rows", [slice(20, 36), slice(0, 12), slice(50, 64)])
+def test_a_thing_is_where_its_outline_is_an_edge(view, rows):
+    maps, pictures = maps_and_pictures()
+    pictures[0, :, :, 30:] = 60  # what stands still has edges in both views
+    pictures[0, view, rows, 20:40] = (200, 120, 40)
+    maps[0, 1 - view, rows, 20:40] = 0.9  # the model takes it for being in the other view
+    found = settled(maps, pictures)
+    assert (found[0, view, rows, 20:40] > 0.5).all() and not found[0, 1 - view].any()
+
+
+def test_a_thing_that_moved_a_little_stays_in_both_views():
+    maps, pictures = maps_and_pictures()
+    for view, columns in enumerate((slice(10, 30), slice(20, 40))):
+        pictures[0, view, 20:40, columns] = 200
+        maps[0, view, 20:40, columns] = 0.9
+    assert np.array_equal(settled(maps, pictures), maps)

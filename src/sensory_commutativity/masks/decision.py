@@ -11,9 +11,6 @@ from .outcome import OUTCOMES, SEEN
 
 MASK = 0.5
 """Probability from which a pixel belongs to a mask."""
-BLOTCH = 0.3
-"""How small a mask is, in that of the other view at the same place, if it is nothing but doubt; chosen on development tuples
-(docs/differences.md)."""
 
 
 class Rule(NamedTuple):
@@ -43,35 +40,18 @@ def outcomes(probabilities: np.ndarray, rule: Rule) -> np.ndarray:
     return found.astype(np.int8)
 
 
-def cleaned(probabilities: np.ndarray) -> np.ndarray:
-    """The maps, float (n, 2, h, w), without specks: connected parts above MASK that are smaller than anything that counts as in sight become 0."""
+def cleaned(probabilities: np.ndarray, least: float = SEEN) -> np.ndarray:
+    """The maps, float (n, 2, h, w), without specks: connected parts above MASK with less than `least` pixels of 128 x 128 become 0.
+
+    So much must be in sight of a thing to count (:mod:`.outcome`).
+    """
     found = probabilities.copy()
-    least = SEEN * probabilities.shape[2] * probabilities.shape[3] / 128**2
+    least *= probabilities.shape[2] * probabilities.shape[3] / 128**2
     for image in found.reshape(-1, *probabilities.shape[2:]):
         parts, n = label(image > MASK)
         if n:
             small = np.bincount(parts.ravel()) < least
             image[small[parts] & (parts > 0)] = 0
-    return found
-
-
-def settled(probabilities: np.ndarray) -> np.ndarray:
-    """The maps, float (n, 2, h, w), without doubts about which view a thing is in.
-
-    Models see well where something changed, and less well in which of the two views it is: part of a thing is put into the view that shows what is
-    behind it. So where a connected place has changed, and the mask of one view takes up much less of it than that of the other, all of the place goes
-    to the other.
-    """
-    found = probabilities.copy()
-    for maps in found:
-        parts, n = label((maps > MASK).any(0), np.ones((3, 3)))
-        areas = np.stack([np.bincount(parts[image > MASK], minlength=n + 1) for image in maps])
-        for part in range(1, n + 1):
-            less, more = np.argsort(areas[:, part], kind="stable")
-            if 0 < areas[less, part] < BLOTCH * areas[more, part]:
-                place = parts == part
-                maps[more, place] = maps[:, place].max(0)
-                maps[less, place] = 0
     return found
 
 

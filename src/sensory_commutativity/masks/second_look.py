@@ -1,7 +1,8 @@
-"""Looking again at pairs in which something seems to have moved: in four ways, and from nearer or farther, so that it is neither tiny nor huge.
+"""Looking again at pairs in which something seems to have moved, and at those that seem different but might not be.
 
 Nothing about a pair depends on which picture is the first, or on left and right, and things are seen best in the size in which most were learnt. So
-the logits of several ways of looking are averaged. Pairs in which nothing moved need no second look, so it costs little.
+what moved is seen in four ways, and from nearer or farther, so that it is neither tiny nor huge, and the logits are averaged. What is so near that
+the pictures seem different is seen from farther alone. Most pairs need no second look, so it costs little.
 """
 
 from __future__ import annotations
@@ -49,8 +50,14 @@ def look_again(see: See, pictures: Tensor, changed: np.ndarray, least_side: int)
         for part, k, (rows, columns) in zip(seen, near, windows, strict=True):
             logits[k, :, rows, columns] = (logits[k, :, rows, columns] + part) / 2
     if far:
-        logits[far] = (logits[far] + _resized(_four_ways(see, _scaled(pictures[far], half)), sides)) / 2
+        logits[far] = (logits[far] + look_from_farther(see, pictures[far])) / 2
     return logits
+
+
+def look_from_farther(see: See, pictures: Tensor) -> Tensor:
+    """Mean logits, float (n, 2, h, w), of four looks at half the resolution."""
+    sides = pictures.shape[-2:]
+    return _resized(_four_ways(see, _scaled(pictures, tuple(side // 2 for side in sides))), sides)
 
 
 def _four_ways(see: See, pictures: Tensor) -> Tensor:

@@ -1,0 +1,72 @@
+"""In which of two pictures is what moved? Doubts of a model, settled for each connected place as a whole.
+
+Models see well where something changed, and less well in which of the two views it is: part of a thing, or all of it, is put into the view that
+shows what is behind it. But a thing has an outline, and what is behind it goes on under that outline.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import binary_dilation, binary_erosion, gaussian_gradient_magnitude, label
+
+from .decision import MASK
+
+SHARPER = 3.0
+"""How much stronger an edge the outline of a place is in one picture than in the other, if what moved is in that picture alone."""
+BLOTCH = 0.3
+"""How small a mask is, in that of the other view at the same place, if it is nothing but doubt. Both chosen on development tuples
+(docs/differences.md)."""
+NOISE = 2.0
+"""Grey levels per pixel that are no edge; about what the noise of a camera makes."""
+_SQUARE = np.ones((3, 3))
+
+
+def settled(probabilities: np.ndarray, pictures: np.ndarray) -> np.ndarray:
+    """Maps without doubts about which view a thing is in.
+
+    Where a connected place has changed, all of it goes to the view in which its outline is an edge that is SHARPER times as strong as in the other;
+    if there is none, to the view whose mask takes up most of it, if that of the other has less than BLOTCH of it; else all stays as it is.
+
+    Parameters
+    ----------
+    probabilities : float (n, 2, h, w)
+    pictures : uint8 (n, 2, h, w, 3)
+
+    Returns
+    -------
+    float (n, 2, h, w)
+    """
+    found = probabilities.copy()
+    for maps, pair in zip(found, pictures, strict=True):
+        parts, n = label((maps > MASK).any(0), _SQUARE)
+        edges = np.stack([_edges(picture) for picture in pair]) if n else None
+        for part in range(1, n + 1):
+            place = parts == part
+            view = _view_of(place, (maps > MASK)[:, place].sum(1), edges)
+            if view is not None:
+                maps[view, place] = maps[:, place].max(0)
+                maps[1 - view, place] = 0
+    return found
+
+
+def _view_of(place: np.ndarray, areas: np.ndarray, edges: np.ndarray) -> int | None:
+    """The view, 0 or 1, to which a place belongs alone, bool (h, w), of which `areas`, int (2,), are in the masks."""
+    strength = edges[:, _outline(place)].mean(1) + NOISE
+    sharp = int(strength.argmax())
+    if strength[sharp] > SHARPER * strength[1 - sharp]:
+        return sharp
+    more = int(areas.argmax())
+    return more if areas[1 - more] < BLOTCH * areas[more] else None
+
+
+def _outline(place: np.ndarray) -> np.ndarray:
+    """A line three pixels thick along the outline of a place, bool (h, w); where it leaves the picture it has none, unless it fills the picture."""
+    inside = binary_erosion(np.pad(place, 1, mode="edge"), _SQUARE)[1:-1, 1:-1]
+    border = place & ~inside
+    return binary_dilation(border if border.any() else place)
+
+
+def _edges(picture: np.ndarray) -> np.ndarray:
+    """Strength of edges, grey levels per pixel over all colours, float (h, w), of a picture uint8 (h, w, 3)."""
+    colours = [gaussian_gradient_magnitude(picture[..., k].astype(np.float32), 1.0) for k in range(3)]
+    return np.sqrt(np.sum(np.square(colours), axis=0))
