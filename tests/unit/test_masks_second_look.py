@@ -99,8 +99,8 @@ def maps_and_pictures() -> tuple[np.ndarray, np.ndarray]:
 
 def test_a_thing_is_put_into_one_view_where_the_other_is_but_doubt():
     maps, pictures = maps_and_pictures()
-    maps[0, 0, 4:20, 4:20], maps[0, 1, 4:6, 4:20], maps[0, 1, 20:22, 4:20] = 0.8, 0.9, 0.7  # a blotch within, and one beside it
-    maps[0, :, 40:50, 40:50] = 0.6  # a thing that is seen in both views
+    maps[0, 0, 4:20, 4:20], maps[0, 1, 4:12, 4:20], maps[0, 1, 20:22, 4:20] = 0.9, 0.7, 0.6  # a blotch within, and one beside it
+    maps[0, 0, 40:50, 40:50], maps[0, 1, 40:50, 40:50] = 0.95, 0.85  # a thing that is seen in both views
     found = settled(maps, pictures)
     assert (found[0, 0, 4:22, 4:20] > 0.5).all() and not found[0, 1, 4:22, 4:20].any()
     assert np.array_equal(found[0, :, 40:50, 40:50], maps[0, :, 40:50, 40:50])

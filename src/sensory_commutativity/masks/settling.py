@@ -1,7 +1,8 @@
 """In which of two pictures is what moved? Doubts of a model, settled for each connected place as a whole.
 
 Models see well where something changed, and less well in which of the two views it is: part of a thing, or all of it, is put into the view that
-shows what is behind it. But a thing has an outline, and what is behind it goes on under that outline.
+shows what is behind it. Two things tell. A thing has an outline, and what is behind it goes on under that outline. And models are less certain of
+what is not there.
 """
 
 from __future__ import annotations
@@ -11,11 +12,11 @@ from scipy.ndimage import binary_dilation, binary_erosion, gaussian_gradient_mag
 
 from .decision import MASK
 
-SHARPER = 3.0
-"""How much stronger an edge the outline of a place is in one picture than in the other, if what moved is in that picture alone."""
-BLOTCH = 0.3
-"""How small a mask is, in that of the other view at the same place, if it is nothing but doubt. Both chosen on development tuples
-(docs/differences.md)."""
+SHARPER = 4.0
+"""How much stronger an edge the outline of a place is in one picture than in the other, if what moved is surely in that picture alone."""
+CERTAIN, STEEP = 0.8, 15.0
+"""Mean probability of a mask from which it is more than doubt if the outline is as strong an edge in both pictures, and what a probability counts
+against the logarithm of the ratio of edges. All chosen on development tuples (docs/differences.md)."""
 NOISE = 2.0
 """Grey levels per pixel that are no edge; about what the noise of a camera makes."""
 _SQUARE = np.ones((3, 3))
@@ -24,8 +25,9 @@ _SQUARE = np.ones((3, 3))
 def settled(probabilities: np.ndarray, pictures: np.ndarray) -> np.ndarray:
     """Maps without doubts about which view a thing is in.
 
-    Where a connected place has changed, all of it goes to the view in which its outline is an edge that is SHARPER times as strong as in the other;
-    if there is none, to the view whose mask takes up most of it, if that of the other has less than BLOTCH of it; else all stays as it is.
+    Where a connected place has changed, all of it goes to the view in which its outline is an edge that is SHARPER times as strong as in the other.
+    If there is none, it goes to the view of whose mask the model is more certain, unless it is certain of the other, too, the more so, the weaker
+    the outline is there; then all stays as it is.
 
     Parameters
     ----------
@@ -42,21 +44,24 @@ def settled(probabilities: np.ndarray, pictures: np.ndarray) -> np.ndarray:
         edges = np.stack([_edges(picture) for picture in pair]) if n else None
         for part in range(1, n + 1):
             place = parts == part
-            view = _view_of(place, (maps > MASK)[:, place].sum(1), edges)
+            view = _view_of(place, maps, edges)
             if view is not None:
                 maps[view, place] = maps[:, place].max(0)
                 maps[1 - view, place] = 0
     return found
 
 
-def _view_of(place: np.ndarray, areas: np.ndarray, edges: np.ndarray) -> int | None:
-    """The view, 0 or 1, to which a place belongs alone, bool (h, w), of which `areas`, int (2,), are in the masks."""
-    strength = edges[:, _outline(place)].mean(1) + NOISE
+def _view_of(place: np.ndarray, maps: np.ndarray, edges: np.ndarray) -> int | None:
+    """The view, 0 or 1, to which a place belongs alone, bool (h, w); None if to both. `maps` and `edges`: float (2, h, w)."""
+    strength = np.log(edges[:, _outline(place)].mean(1) + NOISE)
     sharp = int(strength.argmax())
-    if strength[sharp] > SHARPER * strength[1 - sharp]:
+    if strength[sharp] - strength[1 - sharp] > np.log(SHARPER):
         return sharp
-    more = int(areas.argmax())
-    return more if areas[1 - more] < BLOTCH * areas[more] else None
+    masks = maps[:, place]
+    certainty = [float(mask[mask > MASK].mean()) if (mask > MASK).any() else 0.0 for mask in masks]
+    more = int(np.argmax(certainty))
+    doubt = STEEP * (CERTAIN - certainty[1 - more]) + strength[more] - strength[1 - more]
+    return more if doubt > 0 else None
 
 
 def _outline(place: np.ndarray) -> np.ndarray:
