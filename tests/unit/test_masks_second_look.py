@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from sensory_commutativity.masks.predictor import SURE, MaskPredictor
-from sensory_commutativity.masks.second_look import WAYS, look_again, look_from_farther
+from sensory_commutativity.masks.predictor import MODELS, SURE, MaskPredictor
+from sensory_commutativity.masks.second_look import WAYS, farther, look_again, look_from_farther
 from sensory_commutativity.masks.settling import settled
 
 
@@ -36,7 +36,7 @@ def changed(n: int, side: int, rows: slice, columns: slice) -> np.ndarray:
 @pytest.mark.parametrize(("columns", "sides"), [(slice(3, 20), 128), (slice(3, 100), 64)])
 def test_another_scale_shows_the_same(columns, sides):
     see, pictures = Brightness(), smooth(2)
-    logits = look_again(see, pictures, changed(2, 128, slice(100, 120), columns), 64)
+    logits = look_again(see, pictures, changed(2, 128, slice(100, 120), columns))
     assert torch.allclose(logits, pictures.mean(2), atol=0.02)
     assert len(see.shown) == 2 * len(WAYS) and see.shown[-1].shape[-1] == sides
 
@@ -44,27 +44,40 @@ def test_another_scale_shows_the_same(columns, sides):
 def test_what_is_small_is_seen_nearer():
     see, pictures = Brightness(), torch.zeros(1, 2, 3, 128, 128)
     pictures[0, 0, :, 10:20, 118:128] = 1.0
-    logits = look_again(see, pictures, changed(1, 128, slice(10, 20), slice(118, 128)), 64)
+    logits = look_again(see, pictures, changed(1, 128, slice(10, 20), slice(118, 128)))
     assert float(see.shown[len(WAYS)][0, 0].mean()) == pytest.approx(4 * float(pictures[0, 0].mean()), rel=0.05)
     assert logits[0, 0, 12:18, 120:126].min() > 0.95 and not logits[0, 1].any()
 
 
 def test_pictures_that_cannot_be_halved_are_seen_as_they_are():
     see = Brightness()
-    look_again(see, smooth(1, 64), changed(1, 64, slice(0, 64), slice(0, 64)), 64)
+    look_again(see, smooth(1, 64), changed(1, 64, slice(0, 64), slice(0, 64)))
     assert len(see.shown) == len(WAYS)
 
 
 def test_pairs_of_either_kind_keep_their_places():
     pictures = torch.arange(3.0)[:, None, None, None, None].expand(3, 2, 3, 128, 128)
     where = np.concatenate([changed(1, 128, slice(0, 9), slice(0, 9)), changed(1, 128, slice(0, 128), slice(0, 9)), np.zeros((1, 128, 128), bool)])
-    assert torch.allclose(look_again(Brightness(), pictures, where, 64), pictures.mean(2), atol=1e-5)
+    assert torch.allclose(look_again(Brightness(), pictures, where), pictures.mean(2), atol=1e-5)
 
 
 def test_a_look_from_farther():
     see, pictures = Brightness(), smooth(2)
     assert torch.allclose(look_from_farther(see, pictures), pictures.mean(2), atol=0.02)
     assert len(see.shown) == len(WAYS) and see.shown[-1].shape[-1] == 64
+
+    with pytest.raises(ValueError, match="96 x 128 pixels cannot be halved"):
+        look_from_farther(see, torch.zeros(1, 2, 3, 96, 128))
+    assert farther((128, 160)) == (64, 64) and farther((192, 128)) == (96, 64) and farther((128, 96)) is None
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_model_can_look_again_at_pictures_that_are_not_square(name):
+    torch.manual_seed(0)
+    see = MaskPredictor(name, MODELS[name]())._see
+    everywhere = changed(1, 128, slice(0, 128), slice(0, 128)).repeat(2, 2)[:, :, :160]
+    with torch.inference_mode():
+        assert look_again(see, torch.zeros(1, 2, 3, 128, 160), everywhere).shape == (1, 2, 128, 160)
 
 
 class Doubtful(torch.nn.Module):

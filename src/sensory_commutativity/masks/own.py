@@ -11,7 +11,8 @@ from scipy.ndimage import maximum_filter
 from ..tables import written_whole
 from .decision import MASK
 from .outcome import Outcome
-from .predictor import LEAST_SIDE, SIDE_STEP, PredictorError, load_predictor, of_one_size
+from .predictor import PredictorError, load_predictor, of_one_size
+from .second_look import LEAST_SIDE, SIDE_STEP
 
 SHIPPED = Path(__file__).resolve().parents[3] / "results" / "paper" / "models" / "masks" / "raft.predictor"
 """The RAFT of the run at the paper's sizes, which is committed."""

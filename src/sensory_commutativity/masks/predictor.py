@@ -17,15 +17,13 @@ from .difference import difference
 from .flownet import MaskFlowNet
 from .outcome import OUTCOMES, SEEN, Outcome
 from .raft import MaskRaft
-from .second_look import look_again, look_from_farther
+from .second_look import LEAST_SIDE, SIDE_STEP, farther, look_again, look_from_farther
 from .settling import settled
 
 MODELS: dict[str, Callable[..., nn.Module]] = {"raft": MaskRaft, "flownet": MaskFlowNet}
 UNTRAINED = "difference"
 PREDICTORS = (*MODELS, UNTRAINED)
 """Everything that two pictures can be given to."""
-SIDE_STEP, LEAST_SIDE = 32, 64
-"""Pixels: sides of pictures are multiples of the first and no less than the second."""
 SURE = 0.95
 """Mean probability up to which pictures that seem different get a second look; chosen on development tuples: 96 % of different ones have more."""
 _FORMAT = 3
@@ -86,10 +84,10 @@ class MaskPredictor:
         moved = np.nonzero(changed.any((1, 2, 3)) & (most <= MASK))[0]
         if len(moved):
             # that something moved is known by now, so of the other view less needs to be in sight
-            seen = cleaned(_probabilities(look_again(self._see, x[moved], changed[moved].any(1), LEAST_SIDE)), SEEN / 2)
+            seen = cleaned(_probabilities(look_again(self._see, x[moved], changed[moved].any(1))), SEEN / 2)
             found[moved] = settled(seen, pictures[moved])
         unsure = np.nonzero((most > MASK) & (most <= SURE))[0]
-        if len(unsure) and min(x.shape[-2:]) >= 2 * LEAST_SIDE:
+        if len(unsure) and farther(x.shape[-2:]):
             found[unsure] = cleaned(_probabilities(look_from_farther(self._see, x[unsure])))
 
     def _see(self, pictures: Tensor) -> Tensor:

@@ -7,7 +7,7 @@ the pictures seem different is seen from farther alone. Most pairs need no secon
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import torch
@@ -16,11 +16,13 @@ from torch.nn import functional
 
 See = Callable[[Tensor], Tensor]
 """Pictures, float (n, 2, 3, h, w), to logits, float (n, 2, h, w)."""
+SIDE_STEP, LEAST_SIDE = 32, 64
+"""Pixels: sides of the pictures that models are shown are multiples of the first and no less than the second."""
 WAYS = ((), (-1,), (1,), (1, -1))
 """Axes that are turned round, of pictures and of logits alike: none, as in a mirror, exchanged, both."""
 
 
-def look_again(see: See, pictures: Tensor, changed: np.ndarray, least_side: int) -> Tensor:
+def look_again(see: See, pictures: Tensor, changed: np.ndarray) -> Tensor:
     """Mean logits of several looks at pairs.
 
     Parameters
@@ -29,9 +31,7 @@ def look_again(see: See, pictures: Tensor, changed: np.ndarray, least_side: int)
     pictures : float (n, 2, 3, h, w)
     changed : bool (n, h, w)
         Where the first look saw something change, in either view. If that fits into half the height and width, the second scale is of that part
-        alone, enlarged to twice its size, else of the whole at half the resolution.
-    least_side : int
-        Pixels that the sides of pictures must have; those that would have fewer at half the resolution are not seen so.
+        alone, enlarged to twice its size, else of the whole at half the resolution, if models can be shown such.
 
     Returns
     -------
@@ -42,7 +42,7 @@ def look_again(see: See, pictures: Tensor, changed: np.ndarray, least_side: int)
     logits = _four_ways(see, pictures)
     boxes = [_box(image) for image in changed]
     near = [k for k, (top, bottom, left, right) in enumerate(boxes) if bottom - top <= half[0] and right - left <= half[1]]
-    far = sorted(set(range(len(boxes))) - set(near)) if min(half) >= least_side else []
+    far = sorted(set(range(len(boxes))) - set(near)) if farther(sides) else []
     if near:
         windows = [_window(boxes[k], sides, half) for k in near]
         parts = torch.stack([pictures[k, :, :, rows, columns] for k, (rows, columns) in zip(near, windows, strict=True)])
@@ -54,10 +54,18 @@ def look_again(see: See, pictures: Tensor, changed: np.ndarray, least_side: int)
     return logits
 
 
+def farther(sides: Sequence[int]) -> tuple[int, ...] | None:
+    """Sides of pictures as from twice as far, rounded down to what models can be shown; None if that is less than they need."""
+    found = tuple(side // 2 // SIDE_STEP * SIDE_STEP for side in sides)
+    return found if min(found) >= LEAST_SIDE else None
+
+
 def look_from_farther(see: See, pictures: Tensor) -> Tensor:
-    """Mean logits, float (n, 2, h, w), of four looks at half the resolution."""
-    sides = pictures.shape[-2:]
-    return _resized(_four_ways(see, _scaled(pictures, tuple(side // 2 for side in sides))), sides)
+    """Mean logits, float (n, 2, h, w), of four looks at half the resolution. Raises ValueError if the pictures are too small for that."""
+    sides = farther(pictures.shape[-2:])
+    if sides is None:
+        raise ValueError(f"pictures of {' x '.join(map(str, pictures.shape[-2:]))} pixels cannot be halved")
+    return _resized(_four_ways(see, _scaled(pictures, sides)), pictures.shape[-2:])
 
 
 def _four_ways(see: See, pictures: Tensor) -> Tensor:
@@ -78,10 +86,10 @@ def _window(box: tuple[int, int, int, int], sides: tuple[int, ...], half: tuple[
     return slice(starts[0], starts[0] + half[0]), slice(starts[1], starts[1] + half[1])
 
 
-def _scaled(pictures: Tensor, sides: tuple[int, ...]) -> Tensor:
+def _scaled(pictures: Tensor, sides: Sequence[int]) -> Tensor:
     """Pictures, float (n, 2, 3, h, w), of another size."""
     return _resized(pictures.flatten(0, 1), sides).unflatten(0, (-1, 2))
 
 
-def _resized(images: Tensor, sides: tuple[int, ...]) -> Tensor:
+def _resized(images: Tensor, sides: Sequence[int]) -> Tensor:
     return functional.interpolate(images, tuple(sides), mode="bilinear", align_corners=False, antialias=True)
