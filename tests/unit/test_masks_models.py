@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 import torch
@@ -393,3 +395,18 @@ def test_what_moved_in_ones_own_large_pictures_is_outlined_where_it_is(predictor
     assert shown.shape == (1024, 2560, 3)
     rows, columns = np.nonzero(shown.any(2))
     assert (rows.min(), rows.max() + 1, columns.min(), columns.max() + 1) == (256 - 8, 512 + 8, 320 - 8, 640 + 8)
+
+
+def test_the_predictor_that_comes_with_the_project_sees_what_moved(tmp_path):
+    rng = np.random.default_rng(4)
+    wall = np.linspace(90, 160, 400)[:, None, None] * np.array([1.0, 0.9, 0.8])
+    empty = np.tile(wall, (1, 400, 1))
+    empty[260:] = (120, 90, 60)  # a table
+    first, second = empty.copy(), empty.copy()
+    first[200:300, 60:150] = second[200:300, 240:330] = (200, 40, 40)
+    for name, picture in (("first", first), ("second", second), ("again", first)):
+        Image.fromarray(np.clip(picture + rng.normal(0, 2, picture.shape), 0, 255).astype(np.uint8)).save(tmp_path / f"{name}.png")
+    said = [predict_files(tmp_path / "first.png", tmp_path / other, None, tmp_path / "out.png") for other in ("again.png", "second.png")]
+    assert said[0].startswith("identical") and said[1].startswith("moved")
+    pixels = [int(number.replace(",", "")) for number in re.findall(r"\d+(?= pixels|(?= in second))", said[1])]
+    assert all(7_000 < found < 11_500 for found in pixels) and pixels, said[1]  # 9,000 are right
