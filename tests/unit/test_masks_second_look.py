@@ -65,7 +65,6 @@ def test_a_look_from_farther():
     see, pictures = Brightness(), smooth(2)
     assert torch.allclose(look_from_farther(see, pictures), pictures.mean(2), atol=0.02)
     assert len(see.shown) == len(WAYS) and see.shown[-1].shape[-1] == 64
-
     with pytest.raises(ValueError, match="96 x 128 pixels cannot be halved"):
         look_from_farther(see, torch.zeros(1, 2, 3, 96, 128))
     assert farther((128, 160)) == (64, 64) and farther((192, 128)) == (96, 64) and farther((128, 96)) is None

@@ -230,7 +230,10 @@ def masks() -> None:
 @click.option("--predictor", type=FILE, help="A trained predictor; without it the RAFT that comes with this project.")
 @click.option("--out", type=FILE, help="Picture to write: both pictures with what moved outlined; without it SECOND-moved.png.")
 def predict(first: Path, second: Path, predictor: Path | None, out: Path | None) -> None:
-    """Is SECOND the same view as FIRST, another, or the same but for what moved? And where?"""
+    """Is SECOND the same view as FIRST, another, or the same but for what moved? And where?
+
+    Both are PNG or JPEG files of one camera, of any size from 64 pixels on.
+    """
     from ..masks.own import predict_files
 
     click.echo(predict_files(first, second, predictor, out or second.with_name(f"{second.stem}-moved.png")))

@@ -59,7 +59,7 @@ def read_picture(path: Path) -> np.ndarray:
 
 
 def as_trained(picture: np.ndarray) -> np.ndarray:
-    """A picture, uint8 (h, w, 3), scaled so that its shorter side has SIDE pixels and the longer one about as many as fit: uint8 (height, width, 3).
+    """A picture, uint8 (h, w, 3), scaled so that its shorter side has SIDE pixels: uint8 (height, width, 3).
 
     The longer side is rounded to what predictors take, whereby pictures are stretched by an eighth at most. Raises PredictorError for less than
     LEAST_SIDE pixels.

@@ -80,13 +80,13 @@ class MaskPredictor:
     def _look_again(self, pictures: np.ndarray, x: Tensor, found: np.ndarray) -> None:
         """Mend what was found at first sight, float (n, 2, h, w), where it is in doubt. `pictures` and `x` are the same."""
         changed = found > MASK
-        most = found.mean((1, 2, 3))
-        moved = np.nonzero(changed.any((1, 2, 3)) & (most <= MASK))[0]
+        mean = found.mean((1, 2, 3))
+        moved = np.nonzero(changed.any((1, 2, 3)) & (mean <= MASK))[0]
         if len(moved):
             # that something moved is known by now, so of the other view less needs to be in sight
             seen = cleaned(_probabilities(look_again(self._see, x[moved], changed[moved].any(1))), SEEN / 2)
             found[moved] = settled(seen, pictures[moved])
-        unsure = np.nonzero((most > MASK) & (most <= SURE))[0]
+        unsure = np.nonzero((mean > MASK) & (mean <= SURE))[0]
         if len(unsure) and farther(x.shape[-2:]):
             found[unsure] = cleaned(_probabilities(look_from_farther(self._see, x[unsure])))
 

@@ -18,7 +18,7 @@ CERTAIN, STEEP = 0.8, 15.0
 """Mean probability of a mask from which it is more than doubt if the outline is as strong an edge in both pictures, and what a probability counts
 against the logarithm of the ratio of edges. All chosen on development tuples (docs/differences.md)."""
 NOISE = 2.0
-"""Grey levels per pixel that are no edge; about what the noise of a camera makes."""
+"""Grey levels per pixel that are no edge, so that the ratio of two faint ones says little; chosen: those of a grey wall with a camera's noise."""
 _SQUARE = np.ones((3, 3))
 
 
@@ -41,7 +41,7 @@ def settled(probabilities: np.ndarray, pictures: np.ndarray) -> np.ndarray:
     found = probabilities.copy()
     for maps, pair in zip(found, pictures, strict=True):
         parts, n = label((maps > MASK).any(0), _SQUARE)
-        edges = np.stack([_edges(picture) for picture in pair]) if n else None
+        edges = np.stack([_edges(picture) for picture in pair])
         for part in range(1, n + 1):
             place = parts == part
             view = _view_of(place, maps, edges)
