@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -19,7 +19,9 @@ Compute = Callable[[int, int], pd.DataFrame]
 """The rows of units start <= i < stop; what it returns may not depend on how units are cut into batches."""
 
 
-def in_batches(name: str, compute: Compute, start: int, stop: int, out: Path, config: Config, settings: str, batch: int = 100) -> pd.DataFrame:
+def in_batches(
+    name: str, compute: Compute, start: int, stop: int, out: Path, config: Config, settings: str, batch: int = 100, sources: Sequence[Path] = ()
+) -> pd.DataFrame:
     """Compute units `start` to `stop`, keeping finished batches beside `out` until all is done.
 
     Parameters
@@ -29,12 +31,14 @@ def in_batches(name: str, compute: Compute, start: int, stop: int, out: Path, co
     out : Path
         The file that the caller will write; finished batches lie in a folder named after it, which :func:`forget_batches` removes.
     settings : str
-        All that the rows depend on; batches of other settings, or of another version of the package, are thrown away.
+        All that the rows depend on beside `sources`; batches of other settings, or of another version of the package, are thrown away.
     batch : int
         Units in a batch; some seconds of work.
+    sources : sequence of Path
+        Files that the rows are made from; batches of other contents are thrown away, too.
     """
     folder = _folder(out)
-    kept = folder / hashlib.sha256(f"{__version__} {settings}".encode()).hexdigest()[:16]
+    kept = folder / _digest(settings, sources)
     for stale in [p for p in folder.glob("*") if p != kept]:
         shutil.rmtree(stale) if stale.is_dir() else stale.unlink()
     frames = []
@@ -53,6 +57,14 @@ def in_batches(name: str, compute: Compute, start: int, stop: int, out: Path, co
 def forget_batches(out: Path) -> None:
     """Remove the batches kept for `out`, now that it is written."""
     shutil.rmtree(_folder(out), ignore_errors=True)
+
+
+def _digest(settings: str, sources: Sequence[Path]) -> str:
+    content = hashlib.sha256(f"{__version__} {settings}".encode())
+    for path in sources:
+        with path.open("rb") as file:
+            content.update(hashlib.file_digest(file, "sha256").digest())
+    return content.hexdigest()[:16]
 
 
 def _folder(out: Path) -> Path:

@@ -90,6 +90,18 @@ def test_batches_of_other_settings_are_thrown_away(run, tmp_path):
     assert len(list((tmp_path / ".table.parquet.batches").iterdir())) == 1  # nothing piles up
 
 
+def test_batches_made_from_other_contents_are_thrown_away(tmp_path, tiny_config):
+    source = tmp_path / "pictures.h5"
+    asked = []
+    for content, dies_at in (("a", 7), ("a", None), ("b", None)):
+        source.write_text(content)
+        work = Work(dies_at)
+        with suppress(Killed):
+            in_batches(TABLE, work, 0, 10, tmp_path / "table.parquet", tiny_config, "", 3, [source])
+        asked.append(work.asked[0])
+    assert asked == [(0, 3), (6, 9), (0, 3)]
+
+
 def test_batches_of_another_version_are_thrown_away(run, monkeypatch):
     with pytest.raises(Killed):
         run(Work(dies_at=7))

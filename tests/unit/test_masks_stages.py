@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 from sensory_commutativity.config import load
+from sensory_commutativity.masks.experiments import COMPARISONS
 from sensory_commutativity.masks.outcome import OUTCOMES
 from sensory_commutativity.stages.local_scp_summary import area_under_curve
 from sensory_commutativity.stages.local_scp_summary import summarised as map_summary
@@ -15,6 +16,7 @@ from sensory_commutativity.stages.mask_claims import mask_claims
 from sensory_commutativity.stages.mask_comparisons import compared
 from sensory_commutativity.stages.mask_discoveries import discoveries
 from sensory_commutativity.stages.mask_examples import chosen_examples
+from sensory_commutativity.stages.mask_scores import first_of_each
 from sensory_commutativity.stages.mask_summary import ious, summarised
 from sensory_commutativity.tables import TABLES
 
@@ -56,6 +58,12 @@ def test_an_empty_view_neither_helps_nor_harms():
     assert ious(table).tolist() == pytest.approx([0.6, 0.4, np.nan], nan_ok=True)
 
 
+def test_the_first_tuples_of_each_outcome_count():
+    outcomes = [np.array([MOVED, IDENTICAL, MOVED, DIFFERENT]), np.array([IDENTICAL, MOVED, IDENTICAL, DIFFERENT]), np.array([MOVED, IDENTICAL])]
+    assert [places.tolist() for places in first_of_each(outcomes, 2)] == [[0, 1, 2, 3], [0, 3], []]
+    assert [places.tolist() for places in first_of_each(outcomes, 9)] == [[0, 1, 2, 3], [0, 1, 2, 3], [0, 1]]
+
+
 def test_models_are_compared_on_the_same_tuples():
     table = pd.concat([scores("raft", "as-trained", ALL), scores("flownet", "as-trained", {**ALL, "moved": 5}, iou=0.5)], ignore_index=True)
     found = compared(table).set_index("measure")
@@ -65,6 +73,25 @@ def test_models_are_compared_on_the_same_tuples():
     assert found.loc["iou", "difference"] == pytest.approx(0.4) and found.loc["iou", "p_tuples"] < 0.001
     with pytest.raises(ValueError, match="same tuples"):
         compared(table[~((table["model"] == "flownet") & (table["experiment"] == 3))])
+
+
+def alternatives(outcome: np.ndarray, truth: np.ndarray, overlap: np.ndarray, touched: np.ndarray) -> pd.DataFrame:
+    """The table mask_alternatives of arrays (n, 3): a column per comparison."""
+    n, names = len(truth), np.array(OUTCOMES)
+    frames = [
+        pd.DataFrame(
+            dict(
+                experiment=range(n),
+                comparison=comparison,
+                outcome_true=names[truth[:, k]],
+                outcome_predicted=names[outcome[:, k]],
+                overlap=overlap[:, k],
+                touched=touched[:, k],
+            )
+        )
+        for k, comparison in enumerate(COMPARISONS)
+    ]
+    return pd.concat(frames, ignore_index=True)
 
 
 def test_discoveries_by_hand():
@@ -79,7 +106,8 @@ def test_discoveries_by_hand():
     overlap[2, 2] = 0.4
     touched = np.zeros((10, 3), bool)
     touched[7:9] = True
-    found = discoveries(outcome, truth, overlap, touched).set_index("comparison")
+    table = alternatives(outcome, truth, overlap, touched)
+    found = discoveries(table.sample(frac=1, random_state=0)).set_index("comparison")  # in whatever order rows come
     assert found["discovered"].tolist() == [3, 0, 3] and found["per_hundred"].tolist() == [30, 0, 30]
     assert found["false_alarms"].tolist() == [1, 0, 0] and found.loc["first-last", "p"] == pytest.approx(0.25)
     assert found["hits"].tolist() == [0.5, 1, 0] and found["false_hits"].tolist() == [0, 1, 0]
@@ -144,7 +172,7 @@ def made_up_discoveries(blind: bool) -> pd.DataFrame:
     outcome[100:180, 0] = DIFFERENT
     if not blind:
         outcome[100:180, 2] = DIFFERENT
-    return discoveries(outcome, truth, np.full((n, 3), 0.9), touched).assign(kind="random")
+    return discoveries(alternatives(outcome, truth, np.full((n, 3), 0.9), touched)).assign(kind="random")
 
 
 def test_all_claims_hold_where_all_is_as_the_paper_says(config, places):

@@ -183,44 +183,47 @@ rule mask_scores:
         "sensory-commutativity mask-scores --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
 
 
-for table in ("mask_summary", "mask_comparisons"):
+for table, source in (
+    ("mask_summary", "mask_scores"),
+    ("mask_comparisons", "mask_scores"),
+    ("mask_discoveries", "mask_alternatives"),
+):
 
     rule:
         name:
             table
         input:
-            TABLES / "mask_scores.parquet",
+            TABLES / f"{source}.parquet",
         output:
             TABLES / f"{table}.parquet",
         log:
             LOGS / f"{table}.log",
         params:
             command=table.replace("_", "-"),
+            source=source.replace("_", "-"),
         message:
             "making the table {params.command}"
         shell:
-            "sensory-commutativity {params.command} --config {RESOLVED:q} --mask-scores {input:q} --out {output:q} 2> {log:q}"
+            "sensory-commutativity {params.command} --config {RESOLVED:q} --{params.source} {input:q} --out {output:q} 2> {log:q}"
 
 
-rule mask_discoveries:
+rule mask_alternatives:
     input:
-        tuples=all_tuples(),
+        tuples=parts("mask_tuples", "as-trained", tuple_jobs(CONFIG), "h5"),
         predictor=MODELS / "masks" / "raft.predictor",
     output:
-        TABLES / "mask_discoveries.parquet",
+        TABLES / "mask_alternatives.parquet",
     log:
-        LOGS / "mask_discoveries.log",
+        LOGS / "mask_alternatives.log",
     benchmark:
-        BENCHMARKS / "mask_discoveries.tsv"
+        BENCHMARKS / "mask_alternatives.tsv"
     resources:
         mem_mb=growing(2500),
         runtime=growing(60),
-    params:
-        tuples=lambda w, input: given("tuples", input.tuples),
     message:
-        "what SC-experiments and their alternatives find"
+        "looking at SC-experiments and their alternatives"
     shell:
-        "sensory-commutativity mask-discoveries --config {RESOLVED:q} --predictor {input.predictor:q} {params.tuples} --out {output:q} 2> {log:q}"
+        "sensory-commutativity mask-alternatives --config {RESOLVED:q} --predictor {input.predictor:q} --out {output:q} {input.tuples:q} 2> {log:q}"
 
 
 rule mask_examples:

@@ -158,13 +158,24 @@ def mask_comparisons(config: Config, mask_scores: Path, out: Path) -> None:
 @click.command()
 @with_config
 @_predictor
-@_tuples
+@with_parts
 @with_out
-def mask_discoveries(config: Config, predictor: Path, tuples: tuple[Path, ...], out: Path) -> None:
+def mask_alternatives(config: Config, predictor: Path, parts: tuple[Path, ...], out: Path) -> None:
+    """What the RAFT says of SC-experiments and their alternatives, from all tuples of the run as-trained in PARTS."""
+    from ..stages.mask_alternatives import write_alternatives
+
+    write_alternatives(config, predictor, parts, out)
+
+
+@click.command()
+@with_config
+@table("mask-alternatives")
+@with_out
+def mask_discoveries(config: Config, mask_alternatives: Path, out: Path) -> None:
     """What SC-experiments and their alternatives find on the same starts."""
     from ..stages.mask_discoveries import write_discoveries
 
-    write_discoveries(config, predictor, _by_run(tuples, config)["as-trained"], out)
+    write_discoveries(mask_alternatives, out, config)
 
 
 @click.command()
@@ -241,5 +252,5 @@ def predict(first: Path, second: Path, predictor: Path | None, out: Path | None)
 
 COMMANDS = (
     mask_dof, mask_pairs, mask_training, mask_difference, mask_curves, mask_tuples, mask_model_scores, mask_scores, mask_summary, mask_comparisons,
-    mask_discoveries, mask_examples, local_scp_experiments, local_scp, local_scp_summary, masks,
+    mask_alternatives, mask_discoveries, mask_examples, local_scp_experiments, local_scp, local_scp_summary, masks,
 )  # fmt: skip

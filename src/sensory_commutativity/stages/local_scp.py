@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ..batches import forget_batches, in_batches
 from ..config import Config
 from ..mapping.local import Seen, experiments_at
 from ..mapping.places import Place
 from ..mapping.sweep import Reach, usual_excursion, usual_reach
 from ..masks.decision import outcomes
-from ..masks.from_config import cameras_of_masks, first_of_arm, places_of_map, robot_of_masks
+from ..masks.from_config import cameras_of_masks, first_of_arm, places_of_map, robot_of_masks, settings_of_map
 from ..masks.outcome import OUTCOMES
 from ..masks.predictor import load_predictor
 from ..masks.store import read_arrays, write_arrays
@@ -62,12 +63,16 @@ def write_local_scp_experiments(config: Config, part: int, out: Path) -> None:
 
 
 def write_local_scp(config: Config, experiments: Sequence[Path], predictor: Path, out: Path) -> None:
-    """Let a predictor look at the pictures of all places, in the order given."""
-    loaded = load_predictor(predictor, BETTER)
-    rows: list[tuple] = []
-    for path in progress(experiments, TABLE, "file"):
-        rows += _rows(path, loaded, config)
-    write_table(TABLE, pd.DataFrame(rows, columns=[column.name for column in TABLES[TABLE]]), out, config)
+    """Let a predictor look at the pictures of all places, in the order given, resuming from finished files."""
+    loaded, columns = load_predictor(predictor, BETTER), [column.name for column in TABLES[TABLE]]
+
+    def compute(start: int, stop: int) -> pd.DataFrame:
+        return pd.DataFrame([row for path in experiments[start:stop] for row in _rows(path, loaded, config)], columns=columns)
+
+    settings = settings_of_map(config)
+    frame = in_batches(TABLE, compute, 0, len(experiments), out, config, settings, batch=1, sources=[predictor, *experiments])
+    write_table(TABLE, frame, out, config)
+    forget_batches(out)
 
 
 def _of_job(config: Config, part: int) -> slice:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ..batches import forget_batches, in_batches
 from ..config import Config
 from ..masks.decision import MASK, intersection_over_union, outcomes
 from ..masks.experiments import KINDS
@@ -15,11 +16,11 @@ from ..masks.from_config import tuple_runs
 from ..masks.outcome import OUTCOMES
 from ..masks.predictor import MaskPredictor, load_predictor
 from ..masks.store import read_arrays, unpack
-from ..progress import progress
 from ..tables import read_table, write_table
 from .mask_tuples import CONTENT
 
 MOVED = OUTCOMES.index("moved")
+BATCH = 2  # households; with RAFT some 20 seconds
 
 
 def score(predictor: MaskPredictor, test_set: str, pictures: np.ndarray, masks: np.ndarray, truth: np.ndarray) -> pd.DataFrame:
@@ -51,29 +52,45 @@ def score(predictor: MaskPredictor, test_set: str, pictures: np.ndarray, masks: 
     )
 
 
+def first_of_each(outcome: Sequence[np.ndarray], n: int) -> list[np.ndarray]:
+    """Which tuples of a test set count, the first `n` of each outcome: of each file's outcomes, int (m,), the places int (k,) of those that do."""
+    chosen, left = [], np.full(len(OUTCOMES), n)
+    for truth in outcome:
+        chosen.append(np.sort(np.concatenate([np.nonzero(truth == o)[0][: left[o]] for o in range(len(OUTCOMES))])))
+        left -= np.bincount(truth[chosen[-1]], minlength=len(OUTCOMES))
+    return chosen
+
+
 def write_model_scores(config: Config, predictor: Path, model: str, tuples: Mapping[str, Sequence[Path]], out: Path) -> None:
-    """Score a model on the first tuples of each outcome in every test set; `tuples`: run -> its parts in order."""
-    loaded = load_predictor(predictor, model)
-    rows = []
+    """Score a model on the first tuples of each outcome in every test set, resuming from finished batches; `tuples`: run -> its parts in order."""
+    loaded, n, per_job = load_predictor(predictor, model), config.masks.tests.tuples, config.masks.tests.experiments_per_job
+    units: list[tuple[Path, int, dict[str, np.ndarray]]] = []
+    """File, number of the household, and which of its tuples each test set takes."""
     for run in tuple_runs(config).values():
-        taken = {name: np.zeros(len(OUTCOMES), int) for name in run.sets}
-        before = 0
-        for household, part in enumerate(progress(tuples[run.name], f"{model} {run.name}", "part")):
-            arrays, _ = read_arrays(part, CONTENT)
-            for k, name in enumerate(run.sets):
-                truth = arrays["outcome"][:, k, 0]
-                left = config.masks.tests.tuples - taken[name]
-                chosen = np.sort(np.concatenate([np.nonzero(truth == o)[0][: left[o]] for o in range(len(OUTCOMES))]))
-                taken[name] += np.bincount(truth[chosen], minlength=len(OUTCOMES))
-                if not len(chosen):
-                    continue
-                pictures = arrays["pictures"][chosen, k, 0]
-                scores = score(loaded, name, pictures, unpack(arrays["masks"][chosen, k, 0], pictures.shape[3]), truth[chosen])
-                rows.append(
-                    scores.assign(model=model, household=household, experiment=before + chosen, kind=[KINDS[q] for q in arrays["kind"][chosen]])
-                )
-            before += len(arrays["kind"])
-    write_table("mask_scores", pd.concat(rows, ignore_index=True), out, config)
+        truths = [read_arrays(path, CONTENT)[0]["outcome"][:, :, 0] for path in tuples[run.name]]
+        chosen = {name: first_of_each([truth[:, k] for truth in truths], n) for k, name in enumerate(run.sets)}
+        units += [(path, i, {name: places[i] for name, places in chosen.items()}) for i, path in enumerate(tuples[run.name])]
+
+    def compute(start: int, stop: int) -> pd.DataFrame:
+        return pd.concat([_scored(loaded, *unit, per_job).assign(model=model) for unit in units[start:stop]], ignore_index=True)
+
+    sources = [predictor, *(path for path, *_ in units)]
+    frame = in_batches("mask_scores", compute, 0, len(units), out, config, f"{model} {n}", BATCH, sources)
+    write_table("mask_scores", frame, out, config)
+    forget_batches(out)
+
+
+def _scored(predictor: MaskPredictor, path: Path, household: int, chosen: Mapping[str, np.ndarray], per_job: int) -> pd.DataFrame:
+    """Rows of a file's chosen tuples, but for the model."""
+    arrays, _ = read_arrays(path, CONTENT)
+    frames = []
+    for k, (name, places) in enumerate(chosen.items()):
+        pictures = arrays["pictures"][places, k, 0]
+        masks = unpack(arrays["masks"][places, k, 0], pictures.shape[3])
+        rows = score(predictor, name, pictures, masks, arrays["outcome"][places, k, 0])
+        kinds = [KINDS[q] for q in arrays["kind"][places]]
+        frames.append(rows.assign(household=household, experiment=household * per_job + places, kind=kinds))
+    return pd.concat(frames, ignore_index=True)
 
 
 def gather_scores(parts: Sequence[Path], out: Path, config: Config) -> None:

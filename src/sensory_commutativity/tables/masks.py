@@ -66,6 +66,16 @@ MASKS: Tables = {
         *TEST,
         Column("p_tuples", FLOAT, "1", "p-value as if tuples were independent: exact McNemar test of the outcomes, Wilcoxon's of the overlaps"),
     ),
+    "mask_alternatives": (
+        Column("household", INT, "1", "number of the job: SC-experiments among the same objects"),
+        Column("experiment", INT, "1", "number of the SC-experiment in the run as-trained"),
+        Column("kind", TEXT, "", "of the sequences: random or left-right, after which the first order ends where it began"),
+        Column("comparison", TEXT, "", "sc-experiment: both orders; first-last: start and end; return: start, and back there"),
+        Column("outcome_true", TEXT, "", "identical, different or moved, as the simulator knows"),
+        Column("outcome_predicted", TEXT, "", "the same, as the RAFT sees"),
+        Column("overlap", FLOAT, "1", "intersection over union of both masks together; 0 where both are empty"),
+        Column("touched", BOOL, "", "whether something immovable was touched while it was played"),
+    ),
     "mask_discoveries": (
         Column("kind", TEXT, "", "of the sequences: random or left-right, after which the first order ends where it began"),
         Column("comparison", TEXT, "", "sc-experiment: both orders; first-last: start and end; return: start, and back there"),
