@@ -48,6 +48,7 @@ def test_how_far_half_of_all_experiments_get_on_either_side():
     """The maximum of a long random walk is distributed as the magnitude of its end, .674 standard deviations in the median; two orders get on."""
     low, high = usual_excursion(1, 2.0, np.random.default_rng(0))
     assert (low, high) == pytest.approx((0, 0), abs=0.1)  # a single step goes up or down, not both
+    assert usual_excursion(400, 2.0, np.random.default_rng(0)) == pytest.approx(2 * np.array(usual_excursion(400, 1.0, np.random.default_rng(0))))
     low, high = usual_excursion(400, 1.0, np.random.default_rng(0))
     deviation = np.sqrt(400 / 3)
     assert 0.67 * deviation < high < 1.15 * deviation and low == pytest.approx(-high, rel=0.1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import zlib
 
 import numpy as np
 import pytest
@@ -140,11 +141,13 @@ def test_files_of_pairs_of_several_sizes_are_refused(tmp_path):
         read_pairs(tmp_path / "64.h5", tmp_path / "128.h5")
 
 
-@pytest.mark.parametrize("spoil", ["missing", "truncated", "flipped", "text", "other"])
+@pytest.mark.parametrize("spoil", ["missing", "truncated", "flipped", "said", "text", "other"])
 def test_a_file_that_cannot_be_used_is_told(tmp_path, spoil):
     path = tmp_path / "a.h5"
     if spoil != "missing":
-        write_arrays(path, "other" if spoil == "other" else "pairs", {"pictures": np.arange(6000, dtype=np.uint8).reshape(10, 20, 30)}, {})
+        write_arrays(
+            path, "other" if spoil == "other" else "pairs", {"pictures": np.arange(6000, dtype=np.uint8).reshape(10, 20, 30)}, {"rooms": "kitchen"}
+        )
         data = bytearray(path.read_bytes())
         place = data.find(bytes(range(40, 60)))
         if spoil == "truncated":
@@ -152,6 +155,8 @@ def test_a_file_that_cannot_be_used_is_told(tmp_path, spoil):
         elif spoil == "flipped":
             data[place if place > 0 else -400] ^= 64
             path.write_bytes(data)
+        elif spoil == "said":
+            path.write_bytes(bytes(data).replace(b"kitchen", b"xitchen"))
         elif spoil == "text":
             path.write_text("no HDF5")
     message = {"missing": "there is no such file", "other": "no file of pairs"}.get(spoil, "damaged")
@@ -353,6 +358,13 @@ def test_pictures_that_a_predictor_cannot_take_are_told(pictures, message):
         checked(pictures)
 
 
+def enormous(png: bytes) -> bytes:
+    """A PNG file whose header says that it has 40,000 x 40,000 pixels."""
+    start = png.index(b"IHDR")
+    header = b"IHDR" + (40_000).to_bytes(4, "big") * 2 + png[start + 12 : start + 17]
+    return png[:start] + header + zlib.crc32(header).to_bytes(4, "big") + png[start + 21 :]
+
+
 def test_ones_own_pictures(predictor, tmp_path):
     first, second = some_pairs(3).pictures[2]
     for name, picture in (("a", first), ("b", second)):
@@ -361,9 +373,12 @@ def test_ones_own_pictures(predictor, tmp_path):
     assert said.split(":")[0] in OUTCOMES and str(tmp_path / "out.png") in said
     assert np.asarray(Image.open(tmp_path / "out.png")).shape == (128, 256, 3)
     (tmp_path / "text.png").write_text("no picture")
-    for wrong, message in ((tmp_path / "text.png", "cannot be read as a picture"), (tmp_path / "none.png", "there is no such file")):
+    whole = (tmp_path / "a.png").read_bytes()
+    (tmp_path / "spoilt.png").write_bytes(whole[:60] + bytes(len(whole) - 60))
+    (tmp_path / "huge.png").write_bytes(enormous(whole))
+    for wrong, message in (("text", "be read as a picture"), ("spoilt", "be read as a picture"), ("huge", "exceeds limit"), ("none", "no such file")):
         with pytest.raises(PredictorError, match=message):
-            predict_files(tmp_path / "a.png", wrong, predictor, tmp_path / "out.png")
+            predict_files(tmp_path / "a.png", tmp_path / f"{wrong}.png", predictor, tmp_path / "out.png")
     Image.fromarray(second[:40]).save(tmp_path / "tiny.png")
     with pytest.raises(PredictorError, match="40 x 128 pixels; give such of which both sides have at least 64"):
         predict_files(tmp_path / "tiny.png", tmp_path / "tiny.png", predictor, tmp_path / "out.png")

@@ -78,15 +78,15 @@ def test_models_are_compared_on_the_same_tuples():
 def alternatives(outcome: np.ndarray, truth: np.ndarray, overlap: np.ndarray, touched: np.ndarray) -> pd.DataFrame:
     """The table mask_alternatives of arrays (n, 3): a column per comparison."""
     n, names = len(truth), np.array(OUTCOMES)
+    both = dict(household=np.arange(n) // 2, experiment=range(n), touched=touched.any(1), touched_first=touched[:, 1])
     frames = [
         pd.DataFrame(
             dict(
-                experiment=range(n),
+                **both,
                 comparison=comparison,
                 outcome_true=names[truth[:, k]],
                 outcome_predicted=names[outcome[:, k]],
                 overlap=overlap[:, k],
-                touched=touched[:, k],
             )
         )
         for k, comparison in enumerate(COMPARISONS)
@@ -107,10 +107,23 @@ def test_discoveries_by_hand():
     touched = np.zeros((10, 3), bool)
     touched[7:9] = True
     table = alternatives(outcome, truth, overlap, touched)
-    found = discoveries(table.sample(frac=1, random_state=0)).set_index("comparison")  # in whatever order rows come
+    found = discoveries(table.sample(frac=1, random_state=0), np.random.default_rng(0)).set_index("comparison")  # in whatever order rows come
     assert found["discovered"].tolist() == [3, 0, 3] and found["per_hundred"].tolist() == [30, 0, 30]
-    assert found["false_alarms"].tolist() == [1, 0, 0] and found.loc["first-last", "p"] == pytest.approx(0.25)
+    assert found["false_alarms"].tolist() == [1, 0, 0] and found.loc["first-last", "p_experiments"] == pytest.approx(0.25)
+    of_households = [-100, -50, 0, 0, 0]  # what first against last finds less of, in those with two experiments each
+    assert found.loc["first-last", "p"] == pytest.approx(stats.ttest_1samp(of_households, 0).pvalue) and found.loc["first-last", "difference"] == -30
     assert found["hits"].tolist() == [0.5, 1, 0] and found["false_hits"].tolist() == [0, 1, 0]
+    assert found["hits_difference"].tolist() == [0, 0.5, -0.5] and found["n_touched"].tolist() == [2, 2, 2]
+    assert (found["ci_low"] <= found["per_hundred"]).all() and (found["per_hundred"] <= found["ci_high"]).all()
+
+
+def test_touching_in_the_second_order_alone_is_neither_a_hit_nor_a_false_one():
+    outcome = np.full((4, 3), DIFFERENT)
+    touched = np.zeros((4, 3), bool)
+    touched[0, 0] = True  # in the second order
+    touched[1] = True
+    found = discoveries(alternatives(outcome, outcome, np.zeros((4, 3)), touched), np.random.default_rng(0))
+    assert (found["n_touched"] == 1).all() and (found["n_untouched"] == 2).all()
 
 
 def test_examples_are_chosen_by_rank():
@@ -172,7 +185,7 @@ def made_up_discoveries(blind: bool) -> pd.DataFrame:
     outcome[100:180, 0] = DIFFERENT
     if not blind:
         outcome[100:180, 2] = DIFFERENT
-    return discoveries(alternatives(outcome, truth, np.full((n, 3), 0.9), touched)).assign(kind="random")
+    return discoveries(alternatives(outcome, truth, np.full((n, 3), 0.9), touched), np.random.default_rng(0)).assign(kind="random")
 
 
 def test_all_claims_hold_where_all_is_as_the_paper_says(config, places):

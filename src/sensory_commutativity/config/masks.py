@@ -32,7 +32,7 @@ class MaskTestConfig(Section):
     scenes: list[Name] = Field(min_length=1, description="Apartments that were not trained in, keys of apartment.scenes.")
     field_of_view: float = Field(90.0, ge=5, le=150, description="Of the generalisation test, vertical, degrees (paper: 90).")
     sequence_length: int = Field(20, ge=2, le=2000, multiple_of=2, description="Actions in a sequence (paper: 20).")
-    experiments: int = Field(ge=2, le=1_000_000, description="SC-experiments in the training apartment, and as many in the others together.")
+    experiments: int = Field(ge=2, le=1_000_000, description="SC-experiments of each of the four runs, of which two are in the training apartment.")
     tuples: int = Field(500, ge=2, le=1_000_000, description="Most tuples of each outcome in a test set: the first that come about.")
     experiments_per_job: int = Field(50, ge=1, le=100_000, description="SC-experiments with the same objects in one job; other numbers give others.")
 

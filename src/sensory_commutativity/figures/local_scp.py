@@ -17,7 +17,7 @@ _SCALE = {"scp": (0, 1), "clearance": (-0.2, 1)}
 
 
 def _map(axes: Axes, table: pd.DataFrame, column: str, spacing: float, label: str) -> None:
-    """Mean over headings at every place, as squares; short lines show each heading's own value."""
+    """Mean over headings at every place, as squares; dots show each heading's own value."""
     low, high = _SCALE[column]
     places = table.groupby(["x", "y"], as_index=False)[column].mean()
     size = spacing * 0.92

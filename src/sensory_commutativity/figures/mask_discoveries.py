@@ -27,12 +27,12 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         left.annotate(f"{row['per_hundred']:.1f}{against}", (k, row["ci_high"]), textcoords="offset points", xytext=(0, 3), ha="center", fontsize=8)
     left.set_ylabel("experiments in which a moved object\nis found, per hundred")
     left.set_ylim(0, max(1.0, 1.3 * table["ci_high"].max()))
-    for dx, (kind, colour, label) in enumerate(
-        (("hits", BLUE, "something immovable was touched"), ("false_hits", GREY, "nothing immovable was touched"))
+    for dx, (kind, colour, label, number) in enumerate(
+        (("hits", BLUE, "something immovable was touched", "n_touched"), ("false_hits", GREY, "nothing immovable was touched", "n_untouched"))
     ):
         value = table[kind].to_numpy(float)
         error = np.maximum(0, np.nan_to_num([value - table[f"{kind}_low"], table[f"{kind}_high"] - value]))
-        right.bar(x + 0.3 * (2 * dx - 1) / 1.6, value, color=colour, width=0.34, label=label)
+        right.bar(x + 0.3 * (2 * dx - 1) / 1.6, value, color=colour, width=0.34, label=f"{label} (n = {table[number].iloc[0]})")
         right.errorbar(x + 0.3 * (2 * dx - 1) / 1.6, value, yerr=error, fmt="none", ecolor="#444444", capsize=3)
     right.set_ylabel('fraction that is called "different"')
     right.set_ylim(0, 1.25)
@@ -40,6 +40,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     for axes in (left, right):
         axes.set_xticks(x, names, fontsize=8)
     figure.suptitle(
-        f"n = {table['n'].iloc[0]} experiments with random sequences, all from the same starts; 95 % Wilson intervals; RAFT decides", fontsize=9
+        f"n = {table['n'].iloc[0]} experiments with random sequences, from the same starts; 95 % intervals: bootstrap over households; RAFT decides",
+        fontsize=9,
     )
     return figure

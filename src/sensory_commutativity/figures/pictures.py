@@ -19,7 +19,10 @@ def show(axes: Axes, picture: np.ndarray, truth: np.ndarray | None = None, predi
     axes.imshow(picture, interpolation="nearest")
     for mask, colour, style in ((truth, TRUTH, "solid"), (prediction, PREDICTION, "dashed")):
         if mask is not None and mask.any() and not mask.all():
-            axes.contour(np.pad(mask, 1)[1:-1, 1:-1].astype(float), [0.5], colors=[colour], linewidths=1.3, linestyles=style)
+            height, width = mask.shape
+            around = np.pad(mask, 1).astype(float)  # so that outlines are closed where things leave the picture
+            axes.contour(np.arange(-1, width + 1), np.arange(-1, height + 1), around, [0.5], colors=[colour], linewidths=1.3, linestyles=style)
+            axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
     axes.set_xticks([])
     axes.set_yticks([])
     for spine in axes.spines.values():

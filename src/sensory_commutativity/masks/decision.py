@@ -70,6 +70,6 @@ def intersection_over_union(probabilities: np.ndarray, masks: np.ndarray) -> np.
 
 
 def tune(probabilities: np.ndarray, truth: np.ndarray) -> Rule:
-    """The rule with the highest accuracy on pairs that serve for nothing else; of equal ones the first. `truth`: places in OUTCOMES, int (n,)."""
+    """The rule with the highest accuracy on pairs neither trained nor tested on; of equal ones the first. `truth`: places in OUTCOMES, int (n,)."""
     rules = [Rule(d, s, a) for d in (0.5, 0.4, 0.6, 0.3) for s in (0.7, 0.5, 0.6, 0.8, 0.9) for a in (16.0, 8.0, 12.0, 24.0, 32.0, 48.0)]
     return max(rules, key=lambda rule: (outcomes(probabilities, rule) == truth).mean())

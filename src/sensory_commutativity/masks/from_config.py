@@ -24,7 +24,8 @@ if TYPE_CHECKING:  # the workflow reads this module before every job: nothing he
 
 Split = Literal["training", "validation"]
 TEST_STREAM = "last tests"
-"""What the random numbers of the tests follow from. Tuples of an older stream, "tests", were looked at while the training was still being changed."""
+"""What the random numbers of the tests follow from. Tuples of an older stream, "tests", in the same apartments with objects of the same families,
+were looked at while training and prediction were still being changed."""
 
 
 class TupleRun(NamedTuple):
@@ -184,7 +185,7 @@ def settings_of_tests(config: Config, run: TupleRun) -> str:
 def settings_of_map(config: Config) -> str:
     """Everything that the local SCP at a place depends on but the predictor and the degree of freedom, as JSON."""
     masks, apartment = config.masks, config.apartment
-    return json.dumps([*_files(config, [masks.map.scene]), masks.map.model_dump(mode="json"), masks.fixed, masks.image_size,
+    return json.dumps([*_files(config, [masks.map.scene]), masks.map.model_dump(mode="json", exclude={"cramped"}), masks.fixed, masks.image_size,
                        masks.data.field_of_view, apartment.supersampling, config.seed])  # fmt: skip
 
 

@@ -36,9 +36,9 @@ BESIDE = (0.4, 0.15)
 LYING = 0.2
 """Of the scattered objects, those laid on their side; chosen: as what arms have pushed over."""
 RECOLOURED = 0.6
-"""Of the scenes to learn from, those whose rooms and furniture have other colours; chosen: one apartment has to stand for all."""
+"""Of the scenes to learn from, those whose rooms, furniture and objects have other colours; chosen: one apartment has to stand for all."""
 OWN = 0.5
-"""Of the objects to learn from, those with their own size and colours; chosen: as they are met in tests."""
+"""Of the objects to learn from, those with their own size and, in scenes that are not recoloured, their own colours; chosen: as met in tests."""
 _AWAY = 40.0  # metres: where objects are that found no place
 
 
@@ -66,7 +66,7 @@ class Household:
     objects : int
         How many there are.
     varied : bool
-        Whether half of the objects have other sizes and colours than their own, and rooms other colours in most scenes: to learn from. To test on,
+        Whether half of the objects have other sizes and colours than their own, and all has other colours in most scenes: to learn from. To test on,
         things are as they are.
 
     Attributes

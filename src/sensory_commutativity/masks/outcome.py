@@ -4,7 +4,7 @@ The rule, fixed before anything was trained: the pair is *different* if the robo
 not, but something that is in sight did; *identical* otherwise. Elsewhere means that what stands still is, on average over the picture, displaced by
 more than MOST_SHIFT pixels (of 128), or that the robot's own arm covers or uncovers more than MOST_ARM of the picture. With a field of view of 90
 degrees a camera that comes back a degree off is thus identical and three degrees off is different, with one of 45 degrees the limit is at about
-three quarters of a degree; in between the displacement decides.
+seven tenths of a degree; in between the displacement decides.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..worlds.apartment.scene import IDENTITIES
 Outcome = Literal["identical", "different", "moved"]
 OUTCOMES: tuple[Outcome, ...] = ("identical", "different", "moved")
 MOST_SHIFT = 2.0 / 128
-"""Mean displacement of what stands still, in heights of the picture; chosen: two pixels of 128, with a field of view of 90 degrees 1.8 degrees of
+"""Mean displacement of what stands still, in heights of the picture; chosen: two pixels of 128, with a field of view of 90 degrees 1.3 degrees of
 camera rotation, about where a person who flips between the pictures calls them two views."""
 MOST_ARM = 0.01
 """Fraction of the picture that the robot's body covers in one view only; chosen: a square of 13 pixels a side, the size of a large object."""

@@ -54,7 +54,7 @@ def read_picture(path: Path) -> np.ndarray:
             return np.asarray(ImageOps.exif_transpose(picture).convert("RGB"))
     except FileNotFoundError:
         raise PredictorError(f"{path}: there is no such file; give two pictures") from None
-    except (UnidentifiedImageError, OSError, ValueError) as error:
+    except (UnidentifiedImageError, Image.DecompressionBombError, OSError, ValueError, SyntaxError) as error:  # damaged PNG: SyntaxError
         raise PredictorError(f"{path}: cannot be read as a picture ({str(error)[:80]}); give a PNG or JPEG file") from None
 
 

@@ -28,7 +28,8 @@ NEAR = 0.75
 BY_HAND = 0.5
 """Of the pairs in which something moves, those in which it is what is nearest the hand; chosen: SC-experiments mostly move what they touch."""
 STILL = 0.5
-"""Of the pairs of a robot that came back, those in which it came back exactly; chosen: as most do in SC-experiments of an arm."""
+"""Of the pairs of a robot that came back, those whose camera is not jittered; chosen: as in most SC-experiments of an arm. In a third of all pairs
+of a robot that came back, no joint of it is elsewhere either."""
 STRAIGHT = 0.6
 """Of the pairs, those in which the robot looks as it does in SC-experiments; chosen."""
 GAZE = math.radians(22.5)
@@ -173,7 +174,7 @@ class PairFactory:
         return seen[np.argsort(self.rng.exponential(size=len(seen)) / counts[seen])]
 
     def _move_some(self, first: View, before: np.ndarray) -> bool:
-        """Displace some of what is seen; whatever did not move as far as counts is put back to the last bit. False if nothing could be moved."""
+        """Displace some of what is seen; what they pushed, but not as far as counts, is put back to the last bit. False if nothing could be moved."""
         simulation, rng = self.simulation, self.rng
         seen = self._seen(first)
         if rng.uniform() < BY_HAND:

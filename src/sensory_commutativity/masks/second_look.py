@@ -1,4 +1,4 @@
-"""Looking again at pairs in which something seems to have moved, and at those that seem different but might not be.
+"""Looking again at pairs in which something seems to have moved, and at those that seem different but might not be: test-time augmentation.
 
 Nothing about a pair depends on which picture is the first, or on left and right, and things are seen best in the size in which most were learnt. So
 what moved is seen in four ways, and from nearer or farther, so that it is neither tiny nor huge, and the logits are averaged. What is so near that

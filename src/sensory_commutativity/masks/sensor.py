@@ -28,7 +28,8 @@ def jittered(eye: np.ndarray, scale: float, rng: np.random.Generator) -> np.ndar
 
 
 def photographed(rgb: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """A picture, uint8 (h, w, 3), with the exposure, the tint and the noise of a real camera: by up to 7 %, 2 % and 2 grey levels."""
+    """A picture, uint8 (h, w, 3), with a real camera's exposure (7 % and 4 grey levels at most), tint (2 %), and noise (standard
+    deviation at most 2 grey levels)."""
     gain = (1 + rng.uniform(-0.07, 0.07)) * (1 + rng.uniform(-0.02, 0.02, 3))
     noisy = rgb * gain + rng.normal(0, rng.uniform(0, 2.0), rgb.shape) + rng.uniform(-4, 4)
     return np.clip(noisy + 0.5, 0, 255).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Arrays in HDF5 files: written whole or not at all, checked by their hash when they are read.
+"""Arrays in HDF5 files: written whole or not at all, checked, with what is said about them, by their hash when they are read.
 
 Every array lies in chunks of one row, compressed, so that any row can be read alone. Masks are kept with eight pixels to a byte.
 """
@@ -22,7 +22,7 @@ from .outcome import OUTCOMES
 if TYPE_CHECKING:
     from .pairs import Pair  # imports PyBullet, which training does not need
 
-FORMAT = 1
+FORMAT = 2
 REMEDY = "delete it, and run the workflow again"
 
 
@@ -56,7 +56,7 @@ def write_arrays(path: Path, content: str, arrays: Mapping[str, np.ndarray], abo
         for name, array in arrays.items():
             chunks = (1, *array.shape[1:]) if array.ndim > 2 and len(array) else None
             file.create_dataset(name, data=array, chunks=chunks, compression="lzf" if chunks else None, track_times=False)
-        file.attrs.update(format=FORMAT, content=content, sha256=_digest(arrays), **about)
+        file.attrs.update(format=FORMAT, content=content, sha256=_digest(arrays, about), **about)
     with written_whole(path) as temporary:
         temporary.write_bytes(whole.getbuffer())
 
@@ -71,11 +71,13 @@ def read_arrays(path: Path, content: str) -> tuple[dict[str, np.ndarray], dict[s
             if about.get("format") != FORMAT or about.get("content") != content:
                 raise StoreError(f"{path}: no file of {content}, or of another version; {REMEDY}")
             arrays = {name: dataset[()] for name, dataset in file.items()}
+            expected = about.pop("sha256", None)
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         raise StoreError(f"{path}: half written or damaged ({(str(error).splitlines() or ['?'])[0][:80]}); {REMEDY}") from None
-    if _digest(arrays) != about.get("sha256"):
+    texts = {name: value for name, value in about.items() if name not in ("format", "content")}
+    if _digest(arrays, texts) != expected:
         raise StoreError(f"{path}: damaged, its contents do not fit its hash; {REMEDY}")
-    return arrays, {name: value for name, value in about.items() if isinstance(value, str)}
+    return arrays, texts
 
 
 def pack(masks: np.ndarray) -> np.ndarray:
@@ -114,8 +116,8 @@ def read_pairs(*paths: Path) -> Pairs:
     return Pairs(*(np.concatenate([part[k] for part in parts]) for k in range(3)), tuple(kind for part in parts for kind in part.kind))
 
 
-def _digest(arrays: Mapping[str, np.ndarray]) -> str:
-    content = hashlib.sha256()
+def _digest(arrays: Mapping[str, np.ndarray], texts: Mapping[str, object]) -> str:
+    content = hashlib.sha256(repr(sorted(texts.items())).encode())
     for name in sorted(arrays):
         content.update(f"{name} {arrays[name].shape} {arrays[name].dtype}".encode())
         content.update(np.ascontiguousarray(arrays[name]).tobytes())

@@ -21,7 +21,7 @@ from ..masks.decision import outcomes
 from ..masks.from_config import cameras_of_masks, first_of_arm, places_of_map, robot_of_masks, settings_of_map
 from ..masks.outcome import OUTCOMES
 from ..masks.predictor import load_predictor
-from ..masks.store import read_arrays, write_arrays
+from ..masks.store import REMEDY, StoreError, read_arrays, write_arrays
 from ..progress import progress
 from ..provenance import provenance
 from ..seeding import generator
@@ -85,7 +85,9 @@ def _rows(path: Path, predictor, config: Config) -> list[tuple]:
     arrays, about = read_arrays(path, CONTENT)
     different = OUTCOMES.index("different")
     rooms, nearest = json.loads(about["rooms"]), json.loads(about["nearest"])
-    n = config.masks.map.experiments
+    n = arrays["different"].shape[1]
+    if n != config.masks.map.experiments:
+        raise StoreError(f"{path}: {n} experiments at a place, where the configuration asks for {config.masks.map.experiments}; {REMEDY}")
     called = (outcomes(predictor.probabilities(arrays["pictures"]), predictor.rule) == different).reshape(-1, n)
     rows = []
     for k, (room, pose) in enumerate(zip(rooms, arrays["pose"], strict=True)):

@@ -56,7 +56,8 @@ def _looked_at(predictor: MaskPredictor, path: Path, household: int, per_job: in
             outcome_true=[OUTCOMES[o] for o in truth[:, k]],
             outcome_predicted=[OUTCOMES[o] for o in outcomes(found, predictor.rule)],
             overlap=overlap,
-            touched=arrays["touched_fixed" if comparison == "sc-experiment" else "touched_fixed_first"],
+            touched=arrays["touched_fixed"],
+            touched_first=arrays["touched_fixed_first"],
         )
         frames.append(pd.DataFrame(columns))
     return pd.concat(frames, ignore_index=True)

@@ -1,4 +1,7 @@
-"""RAFT against the others, on the same tuples: paired t-tests over households, Holm-corrected; tests that take tuples for independent beside them."""
+"""RAFT against the others, on the same tuples: paired t-tests over households, Holm-corrected; tests that take tuples for independent beside them.
+
+They are about these trained models: one training of each says nothing of how much another would give.
+"""
 
 from __future__ import annotations
 
@@ -28,19 +31,21 @@ def compared(scores: pd.DataFrame) -> pd.DataFrame:
             if not ours.index.equals(theirs.index):
                 raise ValueError(f"{test_set}: {BETTER} and {other} were not scored on the same tuples")
             right = [(table["outcome_true"] == table["outcome_predicted"]).to_numpy() for table in (ours, theirs)]
-            difference = right[0].astype(float) - right[1]
-            rows.append((BETTER, other, test_set, "accuracy", *_tested(difference, ours["household"]), mcnemar(*right).p))
+            truth = ours["outcome_true"]
+            weight = len(truth) / truth.nunique() / truth.map(truth.value_counts())  # each outcome counts as much, as in mask_summary
+            difference = (right[0].astype(float) - right[1]) * weight.to_numpy()
+            rows.append((BETTER, other, test_set, "accuracy", *by_household(difference, ours["household"]), mcnemar(*right).p))
             moved = (ours["outcome_true"] == "moved").to_numpy()
             difference = np.nan_to_num(ious(ours[moved])) - np.nan_to_num(ious(theirs[moved]))
             if len(difference):
                 wilcoxon = float(stats.wilcoxon(difference).pvalue) if difference.any() else 1.0
-                rows.append((BETTER, other, test_set, "iou", *_tested(difference, ours["household"][moved]), wilcoxon))
+                rows.append((BETTER, other, test_set, "iou", *by_household(difference, ours["household"][moved]), wilcoxon))
     columns = ["a", "b", "test_set", "measure", "n", "difference", "ci_low", "ci_high", "households", "p", "p_tuples"]
     table = pd.DataFrame(rows, columns=columns)
     return table.assign(p_adjusted=holm(table["p"].to_numpy()))
 
 
-def _tested(difference: np.ndarray, household: pd.Series) -> tuple[int, float, float, float, int, float]:
+def by_household(difference: np.ndarray, household: pd.Series) -> tuple[int, float, float, float, int, float]:
     """Number, mean and interval of paired differences (n,), number of households, and the p-value of a t-test of the households' means.
 
     Tuples of a household share objects and places, so the household is the unit; each counts by its number of tuples.

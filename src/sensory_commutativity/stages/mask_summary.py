@@ -30,11 +30,10 @@ def summarised(scores: pd.DataFrame, rng: np.random.Generator) -> dict[str, floa
     outcome = scores["outcome_true"].to_numpy()
     right = (outcome == scores["outcome_predicted"].to_numpy()).astype(float)
     iou = np.where(outcome == "moved", ious(scores), np.nan)
-    households = list(scores.reset_index(drop=True).groupby("household").indices.values())
-    counts = resampling_counts(len(households), RESAMPLES, rng)
+    households, counts = resampled_households(scores["household"], rng)
     with np.errstate(invalid="ignore", divide="ignore"):
-        recalls = {name: _resampled_mean(np.where(outcome == name, right, np.nan), households, counts) for name in OUTCOMES}
-        accuracy, overlap = np.nanmean(np.stack(list(recalls.values())), axis=0), _resampled_mean(iou, households, counts)
+        recalls = {name: resampled_mean(np.where(outcome == name, right, np.nan), households, counts) for name in OUTCOMES}
+        accuracy, overlap = np.nanmean(np.stack(list(recalls.values())), axis=0), resampled_mean(iou, households, counts)
     known, moved = np.isfinite(iou), scores[outcome == "moved"]
     recall = {name: float(right[outcome == name].mean()) if (outcome == name).any() else np.nan for name in OUTCOMES}
     low, high = percentile_interval(accuracy[np.isfinite(accuracy)], 0.95)
@@ -54,7 +53,13 @@ def summarised(scores: pd.DataFrame, rng: np.random.Generator) -> dict[str, floa
     )
 
 
-def _resampled_mean(values: np.ndarray, households: list[np.ndarray], counts: np.ndarray) -> np.ndarray:
+def resampled_households(household: pd.Series, rng: np.random.Generator) -> tuple[list[np.ndarray], np.ndarray]:
+    """Of each household the places of its rows, and how often each resample draws it: int (RESAMPLES, households)."""
+    households = list(household.reset_index(drop=True).groupby(household.to_numpy()).indices.values())
+    return households, resampling_counts(len(households), RESAMPLES, rng)
+
+
+def resampled_mean(values: np.ndarray, households: list[np.ndarray], counts: np.ndarray) -> np.ndarray:
     """Means of `values` (n,), NaN left out, in resamples of households: float (resamples,); NaN where a resample has none."""
     sums = np.array([np.nansum(values[chosen]) for chosen in households])
     numbers = np.array([np.isfinite(values[chosen]).sum() for chosen in households])

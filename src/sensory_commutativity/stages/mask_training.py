@@ -67,7 +67,7 @@ def write_difference(config: Config, validation: Sequence[Path], predictor: Path
 
 
 def save_tuned(predictor: MaskPredictor, held_out: Pairs, path: Path, config: Config) -> None:
-    """Choose the decision rule on pairs that serve for nothing else, and save."""
+    """Choose the decision rule on pairs that are neither trained on nor tested on, and save."""
     predictor.rule = tune(predictor.probabilities(held_out.pictures), held_out.outcome)
     predictor.save(path, provenance(config))
 

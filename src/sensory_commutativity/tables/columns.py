@@ -11,7 +11,7 @@ NULLABLE = (
     "tau", "median", "median_low", "median_high", "iqm", "iqm_low", "iqm_high", "loss",
     "iou", "iou_1", "iou_2", "mean_iou", "iou_ci_low", "iou_ci_high", "median_iou", "pooled_iou", "accuracy", "p_tuples",
     "recall_identical", "recall_different", "recall_moved", "hits", "hits_low", "hits_high", "false_hits", "false_hits_low", "false_hits_high",
-    "estimate",
+    "estimate", "hits_difference", "hits_p",
 )  # fmt: skip
 """Columns that may be empty: where there is no single number, or it is not defined."""
 
