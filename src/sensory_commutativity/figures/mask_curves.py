@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ..config import Config
-from .mask_iou import MODEL_STYLES
+from .mask_iou import MODEL_LABELS, MODEL_STYLES
 
 _MEASURES = {
     "loss": "training loss",
@@ -22,11 +22,13 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     for axes, (measure, name) in zip(grid, _MEASURES.items(), strict=True):
         for model, rows in curves.groupby("model", sort=False):
             colour, line, marker = MODEL_STYLES[model]
-            axes.plot(rows["visits"] / 1000, rows[measure], color=colour, linestyle=line, marker=marker, markersize=4, label=model)
+            axes.plot(rows["visits"] / 1000, rows[measure], color=colour, linestyle=line, marker=marker, markersize=4, label=MODEL_LABELS[model])
         axes.set_xlabel("pairs shown (thousands)")
         axes.set_ylabel(name)
         if measure == "loss":
             axes.set_yscale("log")
+            axes.yaxis.set_major_formatter("{x:g}")
+            axes.yaxis.set_minor_formatter("{x:g}")
         else:
             axes.set_ylim(0, 1.03)
     grid[0].legend()
