@@ -6,29 +6,32 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import Wedge
 
 from ..config import Config
 from ..worlds.apartment.drawing import plan
 from ..worlds.apartment.from_config import apartment_world
 from .style import dof_label
 
-_SCALE = {"scp": (0, 1), "clearance": (-0.2, 1)}
+_SCALE = {"scp": (0, 1), "clearance": (-0.15, 0.15)}
+_MARGIN = 0.7  # metres around the places that are shown
 
 
-def _map(axes: Axes, table: pd.DataFrame, column: str, spacing: float, label: str) -> None:
-    """Mean over headings at every place, as squares; dots show each heading's own value."""
-    low, high = _SCALE[column]
-    places = table.groupby(["x", "y"], as_index=False)[column].mean()
-    size = spacing * 0.92
-    norm, colours = plt.Normalize(low, high), plt.get_cmap("cividis")
-    for _, row in places.iterrows():
-        axes.add_patch(plt.Rectangle((row["x"] - size / 2, row["y"] - size / 2), size, size, color=colours(norm(row[column])), linewidth=0))
-    for _, row in table.iterrows():
-        ahead = spacing * 0.3 * np.array([np.cos(row["heading"]), np.sin(row["heading"])])
-        end = row["x"] + ahead[0], row["y"] + ahead[1]
-        axes.plot(*end, marker="o", markersize=3.2, color=colours(norm(row[column])), markeredgecolor="white", markeredgewidth=0.4)
-    axes.figure.colorbar(plt.cm.ScalarMappable(norm, colours), ax=axes, label=label, shrink=0.8)
+def _map(axes: Axes, table: pd.DataFrame, column: str, spacing: float, headings: int, label: str) -> None:
+    """A wedge for every place and heading, in the direction in which the robot faces."""
+    half = 180 / headings
+    wedges = [
+        Wedge((x, y), 0.48 * spacing, degrees - half, degrees + half)
+        for x, y, degrees in zip(table["x"], table["y"], np.degrees(table["heading"]), strict=True)
+    ]
+    shown = PatchCollection(wedges, cmap="cividis", edgecolor="white", linewidth=0.2)
+    shown.set_array(table[column].to_numpy(float))
+    shown.set_clim(*_SCALE[column])
+    axes.add_collection(shown)
+    extend = "both" if column == "clearance" else "neither"
+    axes.figure.colorbar(shown, ax=axes, label=label, shrink=0.8, extend=extend)
 
 
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
@@ -37,22 +40,25 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     world = apartment_world(config, config.masks.robot, settings.scene, "anywhere")
     picture, extent = plan(world.simulation)
     world.simulation.close()
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(16, 5.4))
+    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(17, 5), width_ratios=[0.75, 1, 1])
     for axes, title in (
         (left, settings.scene),
         (
             middle,
-            f"local SCP of {config.masks.robot}'s {dof}: {settings.experiments} SC-experiments of\n"
-            f"{settings.sequence_length} steps for each heading (dots); squares: their mean;\nnone: no room to stand",
+            f"local SCP of {config.masks.robot}'s {dof}: {settings.experiments} SC-experiments of {settings.sequence_length} steps;\n"
+            "a wedge for each heading, none where there is no room to stand",
         ),
-        (right, "truth: metres from the swept arm to the\nnearest immovable thing, below 0 inside it"),
+        (right, "truth: metres from the swept arm to the nearest\nimmovable thing, below 0 where it would be inside"),
     ):
         axes.imshow(picture, extent=extent, alpha=1.0 if axes is left else 0.35)
         axes.set_title(title, fontsize=9)
         axes.set_xlabel("metres")
     left.set_ylabel("metres")
-    _map(middle, table, "scp", settings.spacing, "local SCP")
-    _map(right, table, "clearance", settings.spacing, "metres")
+    for axes in (middle, right) if len(table) else ():
+        axes.set_xlim(table["x"].min() - _MARGIN, table["x"].max() + _MARGIN)
+        axes.set_ylim(table["y"].min() - _MARGIN, table["y"].max() + _MARGIN)
+    _map(middle, table, "scp", settings.spacing, settings.headings, "local SCP")
+    _map(right, table, "clearance", settings.spacing, settings.headings, "metres")
     said = []
     for _, row in summary[summary["decided_by"] == "predictor"].iterrows():
         name = "area under the ROC curve" if row["measure"] == "auc" else f"median, {row['where']}"
