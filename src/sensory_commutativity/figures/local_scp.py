@@ -60,7 +60,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     _map(middle, table, "scp", settings.spacing, settings.headings, "local SCP")
     _map(right, table, "clearance", settings.spacing, settings.headings, "metres")
     said = []
-    for _, row in summary[summary["decided_by"] == "predictor"].iterrows():
+    for _, row in summary[(summary["decided_by"] == "predictor") & (summary["n"] > 0)].iterrows():
         name = "area under the ROC curve" if row["measure"] == "auc" else f"median, {row['where']}"
         said.append(f"{name}: {row['estimate']:.2f} [{row['ci_low']:.2f}, {row['ci_high']:.2f}] (n = {int(row['n'])})")
     figure.suptitle("; ".join(said), fontsize=8.5)
