@@ -13,6 +13,7 @@ from . import __version__
 from .config import Config
 from .errors import TableError
 from .progress import progress
+from .runs.checksums import sha256
 from .tables import read_table, write_table
 
 Compute = Callable[[int, int], pd.DataFrame]
@@ -62,8 +63,7 @@ def forget_batches(out: Path) -> None:
 def _digest(settings: str, sources: Sequence[Path]) -> str:
     content = hashlib.sha256(f"{__version__} {settings}".encode())
     for path in sources:
-        with path.open("rb") as file:
-            content.update(hashlib.file_digest(file, "sha256").digest())
+        content.update(sha256(path).encode())
     return content.hexdigest()[:16]
 
 

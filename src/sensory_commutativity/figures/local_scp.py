@@ -11,24 +11,24 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 
 from ..config import Config
+from ..config.masks import MapConfig
 from ..worlds.apartment.drawing import plan
 from ..worlds.apartment.from_config import apartment_world
 from .style import dof_label
 
-_SCALE = {"scp": (0, 1), "clearance": (-0.15, 0.15)}
 _MARGIN = 0.7  # metres around the places that are shown
 
 
-def _map(axes: Axes, table: pd.DataFrame, column: str, spacing: float, headings: int, label: str) -> None:
-    """A wedge for every place and heading, in the direction in which the robot faces."""
-    half = 180 / headings
+def _map(axes: Axes, table: pd.DataFrame, column: str, limits: tuple[float, float], settings: MapConfig, label: str) -> None:
+    """A wedge for every place and heading, in the direction in which the robot faces; colours between `limits`."""
+    half = 180 / settings.headings
     wedges = [
-        Wedge((x, y), 0.48 * spacing, degrees - half, degrees + half)
+        Wedge((x, y), 0.48 * settings.spacing, degrees - half, degrees + half)
         for x, y, degrees in zip(table["x"], table["y"], np.degrees(table["heading"]), strict=True)
     ]
     shown = PatchCollection(wedges, cmap="cividis", edgecolor="white", linewidth=0.2)
     shown.set_array(table[column].to_numpy(float))
-    shown.set_clim(*_SCALE[column])
+    shown.set_clim(*limits)
     axes.add_collection(shown)
     extend = "both" if column == "clearance" else "neither"
     axes.figure.colorbar(shown, ax=axes, label=label, shrink=0.8, extend=extend)
@@ -36,6 +36,7 @@ def _map(axes: Axes, table: pd.DataFrame, column: str, spacing: float, headings:
 
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     table, summary = tables["local_scp"], tables["local_scp_summary"]
+    reach = config.apartment.reach  # beyond it space counts as open
     settings, dof = config.masks.map, dof_label(table["dof"].iloc[0]) if len(table) else "arm"
     world = apartment_world(config, config.masks.robot, settings.scene, "anywhere")
     picture, extent = plan(world.simulation)
@@ -57,8 +58,8 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     for axes in (middle, right) if len(table) else ():
         axes.set_xlim(table["x"].min() - _MARGIN, table["x"].max() + _MARGIN)
         axes.set_ylim(table["y"].min() - _MARGIN, table["y"].max() + _MARGIN)
-    _map(middle, table, "scp", settings.spacing, settings.headings, "local SCP")
-    _map(right, table, "clearance", settings.spacing, settings.headings, "metres")
+    _map(middle, table, "scp", (0, 1), settings, "local SCP")
+    _map(right, table, "clearance", (-reach, reach), settings, "metres")
     said = []
     for _, row in summary[(summary["decided_by"] == "predictor") & (summary["n"] > 0)].iterrows():
         name = "area under the ROC curve" if row["measure"] == "auc" else f"median, {row['where']}"

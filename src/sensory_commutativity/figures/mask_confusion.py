@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from ..config import Config
 from ..masks.outcome import OUTCOMES
-from .mask_iou import MODEL_LABELS
+from .style import MODEL_LABELS, test_set_label
 
 
 def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
@@ -25,7 +25,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
                 for j in range(len(OUTCOMES)):
                     colour = "white" if share[i, j] < 0.55 else "black"
                     axes.text(j, i, f"{share[i, j]:.2f}\n{counts.iloc[i, j]}", ha="center", va="center", color=colour, fontsize=7)
-            axes.set_title(f"{MODEL_LABELS.get(model, model)}, {test_set.replace('-', ' ')}".replace("\n", " "), fontsize=8)
+            axes.set_title(f"{MODEL_LABELS[model]}, {test_set_label(test_set)}", fontsize=8)
             axes.set_xticks(range(len(OUTCOMES)), OUTCOMES, fontsize=7, rotation=20)
             axes.set_yticks(range(len(OUTCOMES)), OUTCOMES, fontsize=7)
     for axes in grid[:, 0]:

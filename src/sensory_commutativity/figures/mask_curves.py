@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ..config import Config
-from .mask_iou import MODEL_LABELS, MODEL_STYLES
+from .mask_iou import MODEL_STYLES
+from .style import MODEL_LABELS
 
 _MEASURES = {
     "loss": "training loss",

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from ..config import Config
 from ..masks.outcome import OUTCOMES
 from .pictures import legend, show_column
+from .style import test_set_label
 
 
 def examples(read: tuple[dict[str, np.ndarray], dict[str, str]], wanted: list[str]) -> Figure:
@@ -30,7 +31,7 @@ def examples(read: tuple[dict[str, np.ndarray], dict[str, str]], wanted: list[st
             overlap = f", IoU {arrays['overlap'][k]:.2f}" if np.isfinite(arrays["overlap"][k]) else ""
             said = OUTCOMES[arrays["predicted"][k]]
             predicted = (arrays["probabilities"][k] > 127) & (said == "moved")  # another view is another view everywhere: no outlines
-            title = f"{wanted[r].replace('-', ' ')}\ntrue: {OUTCOMES[arrays['outcome'][k]]}{overlap}\npredicted: {said}"
+            title = f"{test_set_label(wanted[r])}\ntrue: {OUTCOMES[arrays['outcome'][k]]}{overlap}\npredicted: {said}"
             show_column(column, arrays["pictures"][k], arrays["masks"][k], predicted, title)
     legend(figure)
     return figure

@@ -10,9 +10,8 @@ from matplotlib.figure import Figure
 from ..config import Config
 from ..stages.mask_claims import ACCURACY, IOU, IOU_UNSEEN
 from ..stages.mask_summary import ious
-from .style import BLACK, BLUE, GREY, ORANGE, VERMILION
+from .style import BLACK, BLUE, GREY, MODEL_LABELS, VERMILION, test_set_label
 
-MODEL_LABELS = {"raft": "RAFT", "flownet": "FlowNet-S", "difference": "image\ndifference"}
 MODEL_STYLES = {"raft": (VERMILION, "-", "o"), "flownet": (BLUE, "--", "s"), "difference": (GREY, ":", "^")}
 PAPER = {"as-trained": (IOU, ACCURACY), "all-other": (IOU_UNSEEN, None)}
 
@@ -25,10 +24,10 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         upper, lower = column
         n_moved = 0
         for x, model in enumerate(summary["model"].unique()):
-            colour, line, marker = MODEL_STYLES.get(model, (ORANGE, "-", "D"))
+            colour, line, marker = MODEL_STYLES[model]
             rows = scores[(scores["model"] == model) & (scores["test_set"] == test_set) & (scores["outcome_true"] == "moved")]
             found = np.sort(ious(rows)[np.isfinite(ious(rows))])
-            upper.plot(found, 1 - np.arange(len(found)) / max(1, len(found)), color=colour, linestyle=line, label=MODEL_LABELS.get(model, model))
+            upper.plot(found, 1 - np.arange(len(found)) / max(1, len(found)), color=colour, linestyle=line, label=MODEL_LABELS[model])
             n_moved = max(n_moved, len(found))
             row = summary[(summary["model"] == model) & (summary["test_set"] == test_set)].iloc[0]
             for dx, (value, low, high, filled) in enumerate(
@@ -43,11 +42,11 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
             if value is not None:
                 lower.axhline(value, color=BLACK, linewidth=0.8, linestyle=":")
                 lower.text(1.68, value + 0.008 * side, f"paper, {name}", fontsize=6.5, ha="center", va="bottom" if side > 0 else "top")
-        upper.set_title(f"{test_set.replace('-', ' ')} (n = {n_moved} that moved)", fontsize=8)
+        upper.set_title(f"{test_set_label(test_set)} (n = {n_moved} that moved)", fontsize=8)
         upper.set_xlabel("intersection over union")
         upper.legend(fontsize=7, loc="lower left", framealpha=1)
         models = summary["model"].unique()
-        lower.set_xticks(np.arange(len(models)) + 0.15, [MODEL_LABELS.get(model, model) for model in models], fontsize=7)
+        lower.set_xticks(np.arange(len(models)) + 0.15, [MODEL_LABELS[model].replace(" ", "\n") for model in models], fontsize=7)
         lower.set_xlim(-0.4, len(models) - 0.3)
     grid[0, 0].set_ylabel("fraction of tuples above")
     grid[1, 0].set_ylabel("mean IoU (filled), accuracy (open)\n95 % intervals")

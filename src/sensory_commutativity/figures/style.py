@@ -88,6 +88,14 @@ def dof_styles(robot: Robot) -> dict[str, dict[str, str]]:
     return {dof.name: dict(color=colours[dof.group], **styles[i % len(styles)]) for i, dof in enumerate(robot.description.dofs)}
 
 
+MODEL_LABELS = {"raft": "RAFT", "flownet": "FlowNet-S", "difference": "image difference"}
+
+
+def test_set_label(test_set: str) -> str:
+    """Name of a test set of the mask predictor for people."""
+    return test_set.replace("-", " ")
+
+
 def dof_label(dof: str, lines: bool = False) -> str:
     """left-elbow -> left elbow, on two lines if asked."""
     return dof.replace("-", "\n" if lines else " ")
