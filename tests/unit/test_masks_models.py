@@ -11,9 +11,11 @@ import torch
 from PIL import Image
 
 from sensory_commutativity.checkpoints import CheckpointError, save_state
+from sensory_commutativity.masks.cycle import Recipe, learning_rate
 from sensory_commutativity.masks.decision import Rule, cleaned, intersection_over_union, outcomes, tune
 from sensory_commutativity.masks.difference import difference
 from sensory_commutativity.masks.flownet import MaskFlowNet
+from sensory_commutativity.masks.judge import PlaceJudge
 from sensory_commutativity.masks.loss import dice_loss, mask_loss
 from sensory_commutativity.masks.outcome import OUTCOMES
 from sensory_commutativity.masks.own import as_trained, predict_files
@@ -21,7 +23,7 @@ from sensory_commutativity.masks.pairs import Pair
 from sensory_commutativity.masks.predictor import MODELS, PREDICTORS, MaskPredictor, Prediction, PredictorError, as_tensor, checked, load_predictor
 from sensory_commutativity.masks.raft import MaskRaft
 from sensory_commutativity.masks.store import Pairs, StoreError, pack, read_arrays, read_pairs, unpack, write_arrays, write_pairs
-from sensory_commutativity.masks.training import AIMED, STAGES, Recipe, Trainer, augmented, learning_rate
+from sensory_commutativity.masks.training import AIMED, STAGES, Trainer, augmented, stage_of
 
 IDENTICAL, DIFFERENT, MOVED = range(3)
 SMALL = {"raft": dict(widths=(8, 12, 16, 16, 24), hidden=16, context=16, updates=2, fine=12, sharp=8), "flownet": dict(scale=0.05)}
@@ -268,7 +270,8 @@ def test_a_stage_shows_what_it_says():
     starts = [0, *(round(stage.until * trainer.recipe.steps) for stage in STAGES)]
     assert starts[-1] == trainer.recipe.steps
     for stage, start, end in zip(STAGES, starts, starts[1:], strict=False):
-        assert trainer.recipe.stage(start) == trainer.recipe.stage(end - 1) == stage
+        steps = trainer.recipe.steps
+        assert stage_of(start, steps) == stage_of(end - 1, steps) == stage
         whole, moved = [], []
         for trainer.step in range(start, start + 60):
             pictures, _, is_moved = trainer._batch()
@@ -299,7 +302,7 @@ def test_parts_are_cut_out_where_something_moved():
 def predictor(tmp_path):
     path = tmp_path / "raft.predictor"
     torch.manual_seed(0)
-    MaskPredictor("raft", MaskRaft(**SMALL["raft"]), Rule(0.4, 0.6, 8.0)).save(path, {"seed": "1"})
+    MaskPredictor("raft", MaskRaft(**SMALL["raft"]), Rule(0.4, 0.6, 8.0), judge=PlaceJudge(4)).save(path, {"seed": "1"})
     return path
 
 
@@ -324,8 +327,10 @@ def test_the_difference_is_a_predictor_too(tmp_path):
     [
         (dict(format=0), "another version"),
         (dict(name="unet"), "no mask predictor"),
-        (dict(architecture=dict(SMALL["raft"], hidden=32)), "another architecture"),
-        (dict(architecture=dict(unknown=1)), "another architecture"),
+        (dict(model=dict(architecture=dict(SMALL["raft"], hidden=32), weights={})), "another architecture"),
+        (dict(model=dict(architecture=dict(unknown=1), weights={})), "another architecture"),
+        (dict(judge=dict(architecture=dict(width=8), weights={})), "another architecture"),
+        (dict(model=None), "another architecture"),
     ],
 )
 def test_a_file_of_something_else_is_told(predictor, tmp_path, change, message):

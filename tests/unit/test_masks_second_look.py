@@ -1,4 +1,4 @@
-"""The second look, with a made-up model that writes down what it is shown, and the settling of doubts about the view."""
+"""The second look, with a made-up model that writes down what it is shown."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import torch
 
 from sensory_commutativity.masks.predictor import MODELS, SURE, MaskPredictor
 from sensory_commutativity.masks.second_look import WAYS, farther, look_again, look_from_farther
-from sensory_commutativity.masks.settling import settled
 
 
 class Brightness:
@@ -102,39 +101,3 @@ def test_what_only_just_seems_different_is_seen_from_farther(probability, looks_
     assert (found.mean() < 0.1) == looks_again and model.sides == [128, *([64] * len(WAYS) if looks_again else [])]
     small = MaskPredictor("raft", model).probabilities(np.zeros((1, 2, 64, 64, 3), np.uint8))  # cannot be halved
     assert small.shape == (1, 2, 64, 64)
-
-
-def maps_and_pictures() -> tuple[np.ndarray, np.ndarray]:
-    """Nothing seen in grey pictures of 64 x 64."""
-    return np.zeros((1, 2, 64, 64), np.float32), np.full((1, 2, 64, 64, 3), 100, np.uint8)
-
-
-def test_a_thing_is_put_into_one_view_where_the_other_is_but_doubt():
-    maps, pictures = maps_and_pictures()
-    maps[0, 0, 4:20, 4:20], maps[0, 1, 4:12, 4:20], maps[0, 1, 20:22, 4:20] = 0.9, 0.7, 0.6  # a blotch within, and one beside it
-    maps[0, 0, 40:50, 40:50], maps[0, 1, 40:50, 40:50] = 0.95, 0.85  # a thing that is seen in both views
-    found = settled(maps, pictures)
-    assert (found[0, 0, 4:22, 4:20] > 0.5).all() and not found[0, 1, 4:22, 4:20].any()
-    assert np.array_equal(found[0, :, 40:50, 40:50], maps[0, :, 40:50, 40:50])
-    everything = np.ones((2, 2, 64, 64), np.float32)
-    assert np.array_equal(settled(everything, pictures.repeat(2, 0)), everything)  # another view stays one
-    assert not settled(np.zeros_like(maps), pictures).any()
-
-
-@pytest.mark.parametrize("view", [0, 1])
-@pytest.mark.parametrize("rows", [slice(20, 36), slice(0, 12), slice(50, 64)])
-def test_a_thing_is_where_its_outline_is_an_edge(view, rows):
-    maps, pictures = maps_and_pictures()
-    pictures[0, :, :, 30:] = 60  # what stands still has edges in both views
-    pictures[0, view, rows, 20:40] = (200, 120, 40)
-    maps[0, 1 - view, rows, 20:40] = 0.9  # the model takes it for being in the other view
-    found = settled(maps, pictures)
-    assert (found[0, view, rows, 20:40] > 0.5).all() and not found[0, 1 - view].any()
-
-
-def test_a_thing_that_moved_a_little_stays_in_both_views():
-    maps, pictures = maps_and_pictures()
-    for view, columns in enumerate((slice(10, 30), slice(20, 40))):
-        pictures[0, view, 20:40, columns] = 200
-        maps[0, view, 20:40, columns] = 0.9
-    assert np.array_equal(settled(maps, pictures), maps)

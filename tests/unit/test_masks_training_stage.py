@@ -9,11 +9,14 @@ from PIL import Image
 
 from sensory_commutativity.cli import main
 from sensory_commutativity.config import load, validate
+from sensory_commutativity.masks import cycle
+from sensory_commutativity.masks.judge import CHANNELS, SIDE
+from sensory_commutativity.masks.judging import JudgeTrainer, Places, places_in
 from sensory_commutativity.masks.pairs import Pair
-from sensory_commutativity.masks.predictor import MODELS, load_predictor
-from sensory_commutativity.masks.store import write_pairs
+from sensory_commutativity.masks.predictor import MODELS, MaskPredictor, load_predictor
+from sensory_commutativity.masks.store import write_arrays, write_pairs
 from sensory_commutativity.masks.training import Trainer
-from sensory_commutativity.stages import mask_training
+from sensory_commutativity.stages import mask_judging, mask_places, mask_training
 from sensory_commutativity.tables import read_table
 
 from ..helpers import DEFAULT
@@ -53,6 +56,7 @@ def config(monkeypatch):
     monkeypatch.setitem(MODELS, "flownet", lambda **given: scale(**(given or {"scale": 0.05})))
     settings = load(DEFAULT).model_dump(mode="json")
     settings["masks"]["flownet"] |= {"visits": 48, "batch_size": 4, "checkpoints": 3}
+    settings["masks"]["judge"] |= {"pairs": 2, "visits": 24, "batch_size": 4}
     return validate(settings)
 
 
@@ -65,7 +69,7 @@ def trained(files, config, name: str) -> None:
 def test_a_killed_training_ends_as_one_that_was_not(files, config, monkeypatch, capsys):
     trained(files, config, "whole")
     assert capsys.readouterr().err.count("validation: accuracy") == 3
-    monkeypatch.setattr(mask_training, "SAVED_EVERY", 0.0)
+    monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
     advance, steps = Trainer.advance, []
 
     def killed_twice(trainer: Trainer) -> float:
@@ -84,6 +88,57 @@ def test_a_killed_training_ends_as_one_that_was_not(files, config, monkeypatch, 
     assert (files / "killed.predictor").read_bytes() == (files / "whole.predictor").read_bytes()
     assert read_table("mask_curves", files / "killed.parquet").equals(read_table("mask_curves", files / "whole.parquet"))
     assert not list(files.glob(".*")), "checkpoints are left"
+
+
+def judged(files, config, name: str, places: str = "places") -> MaskPredictor:
+    out = files / f"{name}.predictor"
+    mask_judging.write_judged(config, "flownet", files / "model.predictor", [files / f"{places}.h5"], [files / "validation.h5"], out)
+    return load_predictor(out)
+
+
+def test_a_killed_judging_ends_as_one_that_was_not(files, config, monkeypatch):
+    trained(files, config, "model")
+    assert load_predictor(files / "model.predictor").judge is None
+    found = Places(np.random.default_rng(0).uniform(size=(9, CHANNELS, SIDE, SIDE)).astype(np.float16), np.eye(9, 2, dtype=bool))
+    write_arrays(files / "places.h5", "places", found._asdict(), {})
+    assert judged(files, config, "whole").judge is not None
+    monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
+    advance, steps = JudgeTrainer.advance, []
+
+    def killed(trainer: JudgeTrainer) -> float:
+        steps.append(trainer.step)
+        if len(steps) == 4:
+            raise KeyboardInterrupt
+        return advance(trainer)
+
+    monkeypatch.setattr(JudgeTrainer, "advance", killed)
+    with pytest.raises(KeyboardInterrupt):
+        judged(files, config, "killed")
+    judged(files, config, "killed")
+    assert steps == [0, 1, 2, 3, 3, 4, 5]
+    assert (files / "killed.predictor").read_bytes() == (files / "whole.predictor").read_bytes()
+    assert not list(files.glob(".*")), "checkpoints are left"
+
+
+def test_places_are_found_in_the_first_pairs_in_which_something_moved(files, config, monkeypatch):
+    trained(files, config, "model")
+    shown = []
+
+    def seen(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray) -> Places:
+        shown.append(pictures)
+        return places_in(predictor, np.zeros_like(pictures), masks)
+
+    monkeypatch.setattr(mask_places, "places_in", seen)
+    mask_places.write_mask_places(config, "flownet", files / "model.predictor", files / "training.h5", files / "none.h5")
+    assert np.array_equal(shown[0], np.stack([pair.pictures for pair in made_up(9, 1) if pair.outcome == "moved"][:2]))
+    kept = mask_places.read_places(files / "none.h5", files / "none.h5")
+    assert kept.empty.shape[1:] == (2,) and len(kept.close_ups) == len(kept.empty)
+
+
+def test_a_model_that_finds_no_place_gets_no_judge(files, config):
+    trained(files, config, "model")
+    write_arrays(files / "none.h5", "places", Places(np.zeros((0, CHANNELS, SIDE, SIDE), np.float16), np.zeros((0, 2), bool))._asdict(), {})
+    assert judged(files, config, "alone", "none").judge is None
 
 
 def test_a_trained_predictor_from_the_command_line(files, config):

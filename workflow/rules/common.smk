@@ -21,6 +21,7 @@ from sensory_commutativity.masks.from_config import (
     map_jobs,
     pairs_of_job,
     settings_of_data,
+    settings_of_judging,
     settings_of_map,
     settings_of_tests,
     settings_of_training,

@@ -10,6 +10,10 @@ def pairs_of(split):
     return parts("mask_pairs", split, MASKS.pair_jobs(split), "h5")
 
 
+def places_of(model):
+    return parts("mask_places", model, MASKS.pair_jobs("training"), "h5")
+
+
 def all_tuples():
     return [
         part
@@ -72,7 +76,7 @@ rule mask_training:
         validation=pairs_of("validation"),
     output:
         curve=DATA / "mask_training" / "{model}.parquet",
-        predictor=MODELS / "masks" / "{model}.predictor",
+        predictor=DATA / "mask_training" / "{model}.predictor",
     log:
         LOGS / "mask_training" / "{model}.log",
     benchmark:
@@ -90,6 +94,55 @@ rule mask_training:
     shell:
         "sensory-commutativity mask-training --config {RESOLVED:q} --model {wildcards.model} {params.training} {params.validation}"
         " --predictor {output.predictor:q} --out {output.curve:q} 2> {log:q}"
+
+
+rule mask_places:
+    input:
+        predictor=DATA / "mask_training" / "{model}.predictor",
+        pairs=DATA / "mask_pairs" / "training.{part}-of-{parts}.h5",
+    output:
+        DATA / "mask_places" / "{model}.{part}-of-{parts}.h5",
+    log:
+        LOGS / "mask_places" / "{model}.{part}-of-{parts}.log",
+    benchmark:
+        BENCHMARKS / "mask_places" / "{model}.{part}-of-{parts}.tsv"
+    resources:
+        mem_mb=growing(3000),
+        runtime=growing(20),
+    params:
+        settings=digest(MASKS.judge.pairs),
+    message:
+        "places that {wildcards.model} finds changed, part {wildcards.part} of {wildcards.parts}"
+    shell:
+        "sensory-commutativity mask-places --config {RESOLVED:q} --model {wildcards.model} --predictor {input.predictor:q}"
+        " --pairs {input.pairs:q} --out {output:q} 2> {log:q}"
+
+
+rule mask_judging:
+    input:
+        predictor=DATA / "mask_training" / "{model}.predictor",
+        places=lambda w: places_of(w.model),
+        validation=pairs_of("validation"),
+    output:
+        MODELS / "masks" / "{model}.predictor",
+    log:
+        LOGS / "mask_judging" / "{model}.log",
+    benchmark:
+        BENCHMARKS / "mask_judging" / "{model}.tsv"
+    wildcard_constraints:
+        model="|".join(LEARNED),
+    resources:
+        mem_mb=growing(3000),
+        runtime=growing(60),
+    params:
+        places=lambda w, input: given("places", input.places),
+        validation=lambda w, input: given("validation", input.validation),
+        settings=lambda w: digest(settings_of_judging(CONFIG, w.model)),
+    message:
+        "training the judge of places of {wildcards.model}"
+    shell:
+        "sensory-commutativity mask-judging --config {RESOLVED:q} --model {wildcards.model} --predictor {input.predictor:q}"
+        " {params.places} {params.validation} --out {output:q} 2> {log:q}"
 
 
 rule mask_difference:

@@ -10,7 +10,12 @@ def raw_data():
         *apartment_parts(None),
         *pairs_of("training"),
         *pairs_of("validation"),
-        *(DATA / "mask_training" / f"{model}.parquet" for model in LEARNED),
+        *(
+            DATA / "mask_training" / f"{model}.{kind}"
+            for model in LEARNED
+            for kind in ("parquet", "predictor")
+        ),
+        *(path for model in LEARNED for path in places_of(model)),
         *all_tuples(),
         *(DATA / "mask_scores" / f"{model}.parquet" for model in MODELS_OF_MASKS),
         *parts("local_scp_experiments", "places", map_jobs(CONFIG), "h5"),

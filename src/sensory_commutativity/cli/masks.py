@@ -12,6 +12,7 @@ from .common import Part, check_parts, table, with_config, with_out, with_parts
 
 FILE: Any = click.Path(dir_okay=False, path_type=Path)
 _part = click.option("--part", type=Part(), required=True, help="Which of the jobs that the configuration cuts the work into.")
+_model = click.option("--model", type=click.Choice(LEARNED), required=True, help="Which is trained.")
 _predictor = click.option("--predictor", type=FILE, required=True, help="File of a trained predictor.")
 _training = click.option("--training", type=FILE, multiple=True, required=True, help="File of pairs to learn from; once for each.")
 _validation = click.option("--validation", type=FILE, multiple=True, required=True, help="File of validation pairs; once for each.")
@@ -44,7 +45,7 @@ def mask_pairs(config: Config, split: str, part: tuple[int, int], out: Path) -> 
 
 @click.command()
 @with_config
-@click.option("--model", type=click.Choice(LEARNED), required=True, help="Which is trained.")
+@_model
 @_training
 @_validation
 @click.option("--predictor", type=FILE, required=True, help="File for the trained predictor.")
@@ -58,11 +59,38 @@ def mask_training(config: Config, model, training: tuple[Path, ...], validation:
 
 @click.command()
 @with_config
+@_model
+@_predictor
+@click.option("--pairs", type=FILE, required=True, help="File of training pairs.")
+@with_out
+def mask_places(config: Config, model, predictor: Path, pairs: Path, out: Path) -> None:
+    """Find the places that a trained model thinks changed in a file of training pairs."""
+    from ..stages.mask_places import write_mask_places
+
+    write_mask_places(config, model, predictor, pairs, out)
+
+
+@click.command()
+@with_config
+@_model
+@_predictor
+@click.option("--places", type=FILE, multiple=True, required=True, help="File of places to learn from; once for each.")
+@_validation
+@with_out
+def mask_judging(config: Config, model, predictor: Path, places: tuple[Path, ...], validation: tuple[Path, ...], out: Path) -> None:
+    """Train a judge of places, or go on where it was killed, and write the predictor with it, its decision rule tuned."""
+    from ..stages.mask_judging import write_judged
+
+    write_judged(config, model, predictor, places, validation, out)
+
+
+@click.command()
+@with_config
 @_validation
 @with_out
 def mask_difference(config: Config, validation: tuple[Path, ...], out: Path) -> None:
     """Tune the decision rule of the image difference, which learns nothing else, and write it as a predictor."""
-    from ..stages.mask_training import write_difference
+    from ..stages.mask_judging import write_difference
 
     write_difference(config, validation, out)
 
@@ -251,6 +279,6 @@ def predict(first: Path, second: Path, predictor: Path | None, out: Path | None)
 
 
 COMMANDS = (
-    mask_dof, mask_pairs, mask_training, mask_difference, mask_curves, mask_tuples, mask_model_scores, mask_scores, mask_summary, mask_comparisons,
-    mask_alternatives, mask_discoveries, mask_examples, local_scp_experiments, local_scp, local_scp_summary, masks,
+    mask_dof, mask_pairs, mask_training, mask_places, mask_judging, mask_difference, mask_curves, mask_tuples, mask_model_scores, mask_scores,
+    mask_summary, mask_comparisons, mask_alternatives, mask_discoveries, mask_examples, local_scp_experiments, local_scp, local_scp_summary, masks,
 )  # fmt: skip

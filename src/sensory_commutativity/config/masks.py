@@ -48,6 +48,18 @@ class MaskModelConfig(Section):
     threads: int = Field(1, ge=1, le=256, description="Cores of its training job; the last digits of what is learned depend on it.")
 
 
+class JudgeConfig(Section):
+    """How the judge of places of either model is trained (AdamW, one cycle of the learning rate)."""
+
+    pairs: int = Field(
+        200, ge=1, le=1_000_000, description="Pairs of each file of training pairs in which something moved, whose places it learns from."
+    )
+    visits: int = Field(ge=1, le=100_000_000, description="Places that are shown, each as often as it comes up.")
+    batch_size: int = Field(64, ge=2, le=1024)
+    learning_rate: float = Field(2e-3, gt=0, le=1)
+    weight_decay: float = Field(1e-2, ge=0, le=1)
+
+
 class MapConfig(Section):
     """The local SCP over a floor (paper: 10 SC-experiments of 100 steps at each place, in Rs)."""
 
@@ -74,6 +86,7 @@ class MasksConfig(Section):
     tests: MaskTestConfig
     raft: MaskModelConfig
     flownet: MaskModelConfig
+    judge: JudgeConfig
     map: MapConfig
 
     @model_validator(mode="after")

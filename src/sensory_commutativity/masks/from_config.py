@@ -19,8 +19,8 @@ if TYPE_CHECKING:  # the workflow reads this module before every job: nothing he
     import pandas as pd
 
     from ..worlds.apartment.camera import Camera
+    from .cycle import Recipe
     from .household import Household
-    from .training import Recipe
 
 Split = Literal["training", "validation"]
 TEST_STREAM = "last tests"
@@ -120,9 +120,17 @@ def household_of_tests(config: Config, run: TupleRun, job: int) -> Household:
 
 def recipe_of(config: Config, model: ModelName) -> Recipe:
     """How a model is trained."""
-    from .training import Recipe  # imports torch
+    from .cycle import Recipe  # imports torch
 
     settings = config.masks.model(model)
+    return Recipe(settings.visits, settings.batch_size, settings.learning_rate, settings.weight_decay)
+
+
+def recipe_of_judge(config: Config) -> Recipe:
+    """How a judge of places is trained."""
+    from .cycle import Recipe  # imports torch
+
+    settings = config.masks.judge
     return Recipe(settings.visits, settings.batch_size, settings.learning_rate, settings.weight_decay)
 
 
@@ -193,6 +201,11 @@ def settings_of_training(config: Config, model: ModelName) -> str:
     """Everything that a trained model depends on, as JSON."""
     settings = config.masks.model(model).model_dump(mode="json")
     return json.dumps([settings_of_data(config), config.masks.data.pairs, config.masks.data.validation_pairs, model, settings])
+
+
+def settings_of_judging(config: Config, model: ModelName) -> str:
+    """Everything that a judge of places depends on, as JSON."""
+    return json.dumps([settings_of_training(config, model), config.masks.judge.model_dump(mode="json")])
 
 
 def check_masks(config: Config) -> None:

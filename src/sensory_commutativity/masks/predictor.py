@@ -1,4 +1,4 @@
-"""Mask predictors: a model, trained or not, with the rule that makes outcomes of its probabilities, and the file that holds both."""
+"""Mask predictors: a model, trained or not, its judge of places, the rule that makes outcomes of its probabilities, and the file that holds all."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from ..errors import UserError
 from .decision import MASK, Rule, cleaned, outcomes
 from .difference import difference
 from .flownet import MaskFlowNet
+from .judge import PlaceJudge, judged
 from .outcome import OUTCOMES, SEEN, Outcome
 from .raft import MaskRaft
 from .second_look import LEAST_SIDE, SIDE_STEP, farther, look_again, look_from_farther
-from .settling import settled
 
 MODELS: dict[str, Callable[..., nn.Module]] = {"raft": MaskRaft, "flownet": MaskFlowNet}
 UNTRAINED = "difference"
@@ -26,7 +26,7 @@ PREDICTORS = (*MODELS, UNTRAINED)
 """Everything that two pictures can be given to."""
 SURE = 0.95
 """Mean probability up to which pictures that seem different get a second look; chosen on development tuples: 96 % of different ones have more."""
-_FORMAT = 3
+_FORMAT = 4
 
 
 class PredictorError(UserError):
@@ -41,7 +41,7 @@ class Prediction(NamedTuple):
 
 
 class MaskPredictor:
-    """A model and its rule.
+    """A model, its rule and its judge.
 
     Parameters
     ----------
@@ -52,17 +52,20 @@ class MaskPredictor:
     rule : Rule
     device : str
         ``cpu`` or ``cuda``.
+    judge : PlaceJudge, optional
+        None leaves doubts about which view a thing is in as they are.
     """
 
-    def __init__(self, name: str, model: nn.Module | None, rule: Rule | None = None, device: str = "cpu"):
+    def __init__(self, name: str, model: nn.Module | None, rule: Rule | None = None, device: str = "cpu", judge: PlaceJudge | None = None):
         self.name, self.rule, self.device = name, rule or Rule(), device
         self.model = model.to(device).eval() if model is not None else None
+        self.judge = judge.to(device).eval() if judge is not None else None
 
     def probabilities(self, pictures: np.ndarray, batch_size: int = 16, again: bool = True) -> np.ndarray:
         """Probability of change at every pixel: float32 (n, 2, h, w), of pictures uint8 (n, 2, h, w, 3). Raises PredictorError for other arrays.
 
         Specks too small for anything that counts as in sight are taken away. If `again`, pairs in which something seems to have moved, or which only
-        just seem different, get a second look (:mod:`.second_look`), and doubts about which view a thing is in are settled (:mod:`.settling`).
+        just seem different, get a second look (:mod:`.second_look`), and the judge says which view a thing is in (:mod:`.judge`).
         """
         pictures = checked(pictures)
         if self.model is None:
@@ -85,7 +88,7 @@ class MaskPredictor:
         if len(moved):
             # that something moved is known by now, so of the other view less needs to be in sight
             seen = cleaned(_probabilities(look_again(self._see, x[moved], changed[moved].any(1))), SEEN / 2)
-            found[moved] = settled(seen, pictures[moved])
+            found[moved] = judged(self.judge, seen, pictures[moved]) if self.judge is not None else seen
         unsure = np.nonzero((mean > MASK) & (mean <= SURE))[0]
         if len(unsure) and farther(x.shape[-2:]):
             found[unsure] = cleaned(_probabilities(look_from_farther(self._see, x[unsure])))
@@ -102,18 +105,8 @@ class MaskPredictor:
 
     def save(self, path: Path, about: dict[str, str]) -> None:
         """Write the predictor, its weights in half precision, and what it comes from."""
-        weights = {key: value.half() if value.is_floating_point() else value for key, value in self.model.state_dict().items()} if self.model else {}
-        save_state(
-            path,
-            dict(
-                format=_FORMAT,
-                name=self.name,
-                architecture=getattr(self.model, "architecture", {}),
-                rule=list(self.rule),
-                about=dict(about),
-                weights=weights,
-            ),
-        )
+        networks = {key: _packed(network) for key, network in (("model", self.model), ("judge", self.judge)) if network is not None}
+        save_state(path, dict(format=_FORMAT, name=self.name, rule=list(self.rule), about=dict(about), **networks))
 
 
 def load_predictor(path: Path, expected: str | None = None, device: str = "cpu") -> MaskPredictor:
@@ -127,12 +120,12 @@ def load_predictor(path: Path, expected: str | None = None, device: str = "cpu")
         rule = Rule(*state["rule"])
         if state["name"] == UNTRAINED:
             return MaskPredictor(UNTRAINED, None, rule)
-        model = MODELS[state["name"]](**state["architecture"])
-        model.load_state_dict({key: value.float() if value.is_floating_point() else value for key, value in state["weights"].items()})
+        model = _unpacked(MODELS[state["name"]], state["model"])
+        judge = _unpacked(PlaceJudge, state["judge"]) if "judge" in state else None
     except (AttributeError, KeyError, RuntimeError, TypeError, ValueError) as error:
         first = (str(error).splitlines() or ["?"])[0][:100]
         raise PredictorError(f"{path}: weights of another architecture than this version's {state['name']!r} ({first}); train it anew") from None
-    return MaskPredictor(state["name"], model, rule, device)
+    return MaskPredictor(state["name"], model, rule, device, judge)
 
 
 def of_one_size(first: np.ndarray, second: np.ndarray) -> None:
@@ -163,6 +156,19 @@ def as_tensor(pictures: np.ndarray, device: str) -> Tensor:
 def best_device() -> str:
     """A GPU if there is one."""
     return "cuda" if torch.cuda.is_available() else "cpu"
+
+
+def _packed(network: nn.Module) -> dict[str, Any]:
+    """Its architecture and its weights, those in half precision."""
+    weights = {key: value.half() if value.is_floating_point() else value for key, value in network.state_dict().items()}
+    return dict(architecture=network.architecture, weights=weights)
+
+
+def _unpacked(kind: Callable[..., nn.Module], packed: dict[str, Any]) -> nn.Module:
+    """The reverse of :func:`_packed`. Raises what torch and Python do for weights of another architecture."""
+    network = kind(**packed["architecture"])
+    network.load_state_dict({key: value.float() if value.is_floating_point() else value for key, value in packed["weights"].items()})
+    return network
 
 
 def _probabilities(logits: Tensor) -> np.ndarray:

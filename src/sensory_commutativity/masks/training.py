@@ -1,33 +1,29 @@
-"""Training a two-mask model by RAFT's recipe, on a CPU or a GPU, so that a kill loses a minute at most.
+"""Training a two-mask model by RAFT's recipe, on a CPU or a GPU.
 
-AdamW, gradients clipped, mixed precision where the processor has it. Pairs are mirrored, exchanged and recoloured alike in both pictures, and, as
-in RAFT's own recipe, cut out and scaled: a step takes whole pictures, or whole ones at half the resolution, or, of pairs in which something moved,
-a quarter of each picture around it, which shows more of it in a quarter of the time. As RAFT is trained in stages, so is this: STAGES say how much of
-each there is, within one cycle of the learning rate.
+AdamW, gradients clipped (:mod:`.cycle`), mixed precision where the processor has it. Pairs are mirrored, exchanged and recoloured alike in both
+pictures, and, as in RAFT's own recipe, cut out and scaled: a step takes whole pictures, or whole ones at half the resolution, or, of pairs in which
+something moved, a quarter of each picture around it, which shows more of it in a quarter of the time. As RAFT is trained in stages, so is this:
+STAGES say how much of each there is, within one cycle of the learning rate.
 Everything random follows from the seed and the step, so a run that was resumed ends as one that was not.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 from torch.nn import functional
 
 from ..seeding import generator, seed_for
+from .cycle import Cycle, Recipe, has_half_precision
 from .loss import mask_loss
 from .outcome import OUTCOMES
 from .predictor import MODELS, as_tensor
 from .store import Pairs
 
-CLIP = 1.0
-"""Largest norm of the gradient (RAFT)."""
-WARM = 0.05
-"""Of the steps, in which the learning rate rises (RAFT)."""
 AIMED, ENLARGED = 0.75, 0.3
 """Of what is cut out, how much is so around a pixel that moved, the rest being anywhere, and how much is smaller still and enlarged up to twice;
 chosen: pictures with another field of view are enlarged too."""
@@ -61,33 +57,12 @@ alone show the outcome and large things. Half the resolution shows things as sma
 nearest and largest as a whole. What moved is harder to see than that nothing did."""
 
 
-@dataclass(frozen=True)
-class Recipe:
-    """How a model is trained: pairs shown, pairs per step, highest learning rate, weight decay."""
-
-    visits: int
-    batch_size: int = 16
-    learning_rate: float = 1e-3
-    weight_decay: float = 1e-4
-
-    @property
-    def steps(self) -> int:
-        return math.ceil(self.visits / self.batch_size)
-
-    def stage(self, step: int) -> Stage:
-        """What a step shows."""
-        return next(stage for stage in STAGES if step < round(stage.until * self.steps))
+def stage_of(step: int, steps: int) -> Stage:
+    """What a step, of so many, shows."""
+    return next(stage for stage in STAGES if step < round(stage.until * steps))
 
 
-def learning_rate(recipe: Recipe, step: int) -> float:
-    """Up along a line and down along half a cosine."""
-    warm = max(1, round(WARM * recipe.steps))
-    if step < warm:
-        return recipe.learning_rate * (step + 1) / warm
-    return recipe.learning_rate * 0.5 * (1 + math.cos(math.pi * (step - warm) / max(1, recipe.steps - warm)))
-
-
-class Trainer:
+class Trainer(Cycle):
     """A model in training.
 
     Parameters
@@ -103,50 +78,23 @@ class Trainer:
     """
 
     def __init__(self, name: str, recipe: Recipe, pairs: Pairs, seed: int, device: str = "cpu", **architecture: Any):
-        self.name, self.recipe, self.pairs, self.seed, self.device = name, recipe, pairs, seed, device
+        self.name, self.pairs, self.seed, self.device = name, pairs, seed, device
         torch.manual_seed(seed_for(seed, "weights", name) % 2**63)
-        self.model = MODELS[name](**architecture).to(device)
-        self.optimiser = torch.optim.AdamW(self.model.parameters(), lr=recipe.learning_rate, weight_decay=recipe.weight_decay, eps=1e-8)
-        self.step = 0
-        self.losses: list[float] = []
+        super().__init__(MODELS[name](**architecture).to(device), recipe)
         self._moved, self._still = np.nonzero(pairs.outcome == MOVED)[0], np.nonzero(pairs.outcome != MOVED)[0]
         sizes = np.sqrt(pairs.masks[self._moved].sum((1, 2, 3)))
         self._chances = sizes / sizes.sum()
 
-    @property
-    def finished(self) -> bool:
-        return self.step >= self.recipe.steps
-
-    def advance(self) -> float:
-        """One step; returns its loss."""
+    def loss(self) -> Tensor:
+        """That of the step at hand; outlines count where something moved."""
         pictures, masks, moved = self._batch()
-        for group in self.optimiser.param_groups:
-            group["lr"] = learning_rate(self.recipe, self.step)
-        self.model.train()
-        with torch.autocast(self.device, torch.bfloat16, enabled=_has_half_precision(self.device)):
+        with torch.autocast(self.device, torch.bfloat16, enabled=has_half_precision(self.device)):
             refinements = self.model(pictures[:, 0], pictures[:, 1])
-        loss = mask_loss([logits.float() for logits in refinements], masks, moved)
-        self.optimiser.zero_grad(set_to_none=True)
-        loss.backward()
-        nn.utils.clip_grad_norm_(self.model.parameters(), CLIP)
-        self.optimiser.step()
-        self.step += 1
-        self.losses.append(float(loss.detach()))
-        return self.losses[-1]
-
-    def state(self) -> dict[str, Any]:
-        """Everything that a resumed run needs."""
-        return dict(model=self.model.state_dict(), optimiser=self.optimiser.state_dict(), step=self.step, losses=torch.tensor(self.losses))
-
-    def resume(self, state: dict[str, Any]) -> None:
-        """Go on from a state."""
-        self.model.load_state_dict(state["model"])
-        self.optimiser.load_state_dict(state["optimiser"])
-        self.step, self.losses = state["step"], state["losses"].tolist()
+        return mask_loss([logits.float() for logits in refinements], masks, moved)
 
     def _batch(self) -> tuple[Tensor, Tensor, Tensor]:
         rng = generator(self.seed, "step", self.name, self.step)
-        stage = self.recipe.stage(self.step)
+        stage = stage_of(self.step, self.recipe.steps)
         whole = stage.whole > 0 and rng.uniform() < stage.whole
         cut = not whole and rng.uniform() < stage.cut and len(self._moved) > 0
         chosen = self._chosen(1.0 if cut else stage.moved, rng)
@@ -202,8 +150,3 @@ def augmented(pictures: np.ndarray, masks: np.ndarray, rng: np.random.Generator)
         gain, shift = math.exp(rng.uniform(-0.5, 0.25)) * rng.uniform(0.85, 1.2, 3), rng.uniform(-15, 15, 3)  # other homes are darker
         pictures[i] = np.clip(pictures[i] * gain + shift, 0, 255)
     return pictures, masks
-
-
-def _has_half_precision(device: str) -> bool:
-    """Whether bfloat16 is faster here than it is slow: on GPUs, and processors with instructions for it."""
-    return device != "cpu" or bool(getattr(torch.cpu, "_is_avx512_bf16_supported", lambda: False)())

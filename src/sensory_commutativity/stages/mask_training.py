@@ -1,10 +1,9 @@
-"""Models that learn to see what moved: training, curves, the decision rule (paper, section IV-A, "Architecture and training")."""
+"""Models that learn to see what moved, and their curves (paper, section IV-A, "Architecture and training")."""
 
 from __future__ import annotations
 
 import json
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,60 +15,38 @@ from tqdm import tqdm
 from ..checkpoints import Checkpoint
 from ..config import Config, ModelName
 from ..errors import TableError
-from ..masks.decision import Rule, intersection_over_union, outcomes, tune
+from ..masks.cycle import Row, learning_rate, to_the_end
+from ..masks.decision import Rule, intersection_over_union, outcomes
 from ..masks.from_config import recipe_of, settings_of_training, training_seed
 from ..masks.outcome import OUTCOMES
-from ..masks.predictor import UNTRAINED, MaskPredictor, best_device
+from ..masks.predictor import MaskPredictor, best_device
 from ..masks.store import Pairs, read_pairs
-from ..masks.training import Trainer, learning_rate
+from ..masks.training import Trainer
 from ..provenance import package_versions, provenance
 from ..tables import read_table, write_table
 
-SAVED_EVERY = 45.0
-"""Seconds between checkpoints: a kill loses so much."""
 MOVED = OUTCOMES.index("moved")
 
 
 def write_training(config: Config, model: ModelName, training: Sequence[Path], validation: Sequence[Path], out: Path, predictor: Path) -> None:
-    """Train a model, or go on with it where it was killed; write its curve and, tuned, itself."""
+    """Train a model, or go on with it where it was killed; write its curve and itself, without a judge and with a rule as good as any."""
     settings = config.masks.model(model)
     torch.set_num_threads(settings.threads)
     device = best_device()
     checkpoint = Checkpoint(out, f"{settings_of_training(config, model)} {device} {json.dumps(package_versions())}")
     pairs, held_out = read_pairs(*training), read_pairs(*validation)
     trainer = Trainer(model, recipe_of(config, model), pairs, training_seed(config), device)
-    rows: list[dict[str, float]] = []
-    saved = checkpoint.load()
-    if saved is not None:
-        trainer.resume(saved)
-        rows = saved["rows"]
     stops = np.unique(np.linspace(0, trainer.recipe.steps, settings.checkpoints + 1).round().astype(int))[1:]
-    last = time.monotonic()
-    with tqdm(total=trainer.recipe.steps, initial=trainer.step, desc=model, unit="step", disable=None) as bar:
-        while not trainer.finished:
-            bar.set_postfix(loss=f"{trainer.advance():.3f}", refresh=False)
-            bar.update()
-            if trainer.step in stops:
-                rows.append(_row(trainer, rows, held_out))
-                bar.write(_told(model, rows[-1], trainer.recipe.steps), file=sys.stderr)
-            if trainer.step in stops or time.monotonic() - last > SAVED_EVERY:
-                checkpoint.save({**trainer.state(), "rows": rows})
-                last = time.monotonic()
-    trained = MaskPredictor(model, trainer.model, device=device)
-    save_tuned(trained, held_out, predictor, config)
+
+    def row(before: list[Row]) -> Row:
+        found = _row(trainer, before, held_out)
+        tqdm.write(_told(model, found, trainer.recipe.steps), file=sys.stderr)
+        return found
+
+    rows = to_the_end(trainer, checkpoint, model, stops.tolist(), row)
+    MaskPredictor(model, trainer.model, device=device).save(predictor, provenance(config))
     write_table("mask_curves", pd.DataFrame(rows).assign(model=model), out, config)
     checkpoint.forget()
-
-
-def write_difference(config: Config, validation: Sequence[Path], predictor: Path) -> None:
-    """The image difference, of which only the rule is tuned."""
-    save_tuned(MaskPredictor(UNTRAINED, None), read_pairs(*validation), predictor, config)
-
-
-def save_tuned(predictor: MaskPredictor, held_out: Pairs, path: Path, config: Config) -> None:
-    """Choose the decision rule on pairs that are neither trained on nor tested on, and save."""
-    predictor.rule = tune(predictor.probabilities(held_out.pictures), held_out.outcome)
-    predictor.save(path, provenance(config))
 
 
 def gather_curves(parts: Sequence[Path], out: Path, config: Config) -> None:
@@ -80,14 +57,14 @@ def gather_curves(parts: Sequence[Path], out: Path, config: Config) -> None:
     write_table("mask_curves", frame, out, config)
 
 
-def _told(model: ModelName, row: dict[str, float], steps: int) -> str:
+def _told(model: ModelName, row: Row, steps: int) -> str:
     """A line for the log."""
     return (
         f"{model}: step {row['step']:,} of {steps:,}, loss {row['loss']:.3f}; validation: accuracy {row['accuracy']:.3f}, mean IoU {row['iou']:.3f}"
     )
 
 
-def _row(trainer: Trainer, rows: list[dict[str, float]], held_out: Pairs) -> dict[str, float]:
+def _row(trainer: Trainer, rows: list[Row], held_out: Pairs) -> Row:
     """How far training has got, on pairs that it does not show, at first sight."""
     before = rows[-1]["step"] if rows else 0
     found = MaskPredictor(trainer.name, trainer.model, device=trainer.device).probabilities(held_out.pictures, again=False)

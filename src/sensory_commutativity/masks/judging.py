@@ -1,0 +1,98 @@
+"""How a judge of places learns: from places that a trained model found changed in pairs whose masks are known.
+
+The pairs are such that the model was trained on. It fits them no better than others (docs/differences.md), so its doubts about them are its doubts.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor
+from torch.nn import functional
+
+from ..seeding import generator, seed_for
+from .cycle import Cycle, Recipe, has_half_precision
+from .decision import MASK
+from .judge import CHANNELS, SIDE, PlaceJudge, close_ups, exchanged, places_of
+from .predictor import MaskPredictor
+
+COVERED = 0.15
+"""Of a place, from which what moved is there in a view; chosen: less is the rim of what is beside it."""
+DIMMEST, BRIGHTEST = -0.4, 0.3
+"""Logarithms of how much darker or brighter close-ups are made."""
+
+
+class Places(NamedTuple):
+    """Many places.
+
+    Attributes
+    ----------
+    close_ups : float16 (k, CHANNELS, SIDE, SIDE)
+    empty : bool (k, 2)
+        Whether a view shows nothing there that moved.
+    """
+
+    close_ups: np.ndarray
+    empty: np.ndarray
+
+
+def places_in(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray) -> Places:
+    """Places that a predictor without a judge finds changed, but for pairs that it takes for different.
+
+    Parameters
+    ----------
+    predictor : MaskPredictor
+    pictures : uint8 (n, 2, h, w, 3)
+    masks : bool (n, 2, h, w)
+    """
+    seen, empty = [torch.zeros(0, CHANNELS, SIDE, SIDE)], [np.zeros((0, 2), bool)]
+    for maps, pair, truth in zip(predictor.probabilities(pictures), pictures, masks, strict=True):
+        places = places_of(maps) if maps.mean() <= MASK else []
+        if places:
+            seen.append(close_ups(maps, pair, places))
+            empty.append(np.stack([truth[:, place].mean(1) < COVERED for place in places]))
+    return Places(torch.cat(seen).half().numpy(), np.concatenate(empty))
+
+
+class JudgeTrainer(Cycle):
+    """A judge in training: close-ups are mirrored, exchanged and recoloured alike in both pictures.
+
+    Parameters
+    ----------
+    places : Places
+        At least one.
+    recipe : Recipe
+    seed : int
+    device : str
+        ``cpu`` or ``cuda``.
+    """
+
+    def __init__(self, places: Places, recipe: Recipe, seed: int, device: str = "cpu", **architecture: int):
+        self.places, self.seed, self.device = places, seed, device
+        torch.manual_seed(seed_for(seed, "weights", "judge") % 2**63)
+        super().__init__(PlaceJudge(**architecture).to(device), recipe)
+
+    def loss(self) -> Tensor:
+        """Cross-entropy of what both views are found to show."""
+        rng = generator(self.seed, "step", "judge", self.step)
+        torch.manual_seed(seed_for(self.seed, "dropout", self.step) % 2**63)
+        chosen = rng.integers(len(self.places.empty), size=self.recipe.batch_size)
+        seen = torch.from_numpy(self.places.close_ups[chosen]).to(self.device).float()
+        empty = torch.from_numpy(self.places.empty[chosen]).to(self.device).float()
+        mirrored, swapped = (torch.from_numpy(rng.uniform(size=len(chosen)) < 0.5).to(self.device) for _ in range(2))
+        seen = torch.where(mirrored[:, None, None, None], seen.flip(-1), seen)
+        seen = torch.where(swapped[:, None, None, None], exchanged(seen), seen)
+        empty = torch.where(swapped[:, None], empty.flip(1), empty)
+        seen = torch.cat([_recoloured(seen[:, :6], rng), seen[:, 6:]], 1)
+        with torch.autocast(self.device, torch.bfloat16, enabled=has_half_precision(self.device)):
+            logits = self.model(seen)
+        return functional.binary_cross_entropy_with_logits(logits.float(), empty)
+
+
+def _recoloured(pictures: Tensor, rng: np.random.Generator) -> Tensor:
+    """Both pictures, float (k, 6, h, w) in [-1, 1], with their colours in another order, and darker or brighter."""
+    order = torch.from_numpy(rng.permutation(3)).to(pictures.device)
+    light = torch.from_numpy(np.exp(rng.uniform(DIMMEST, BRIGHTEST, (len(pictures), 1, 1, 1))).astype(np.float32)).to(pictures.device)
+    return ((pictures[:, torch.cat([order, order + 3])] + 1) * light - 1).clamp(-1, 1)

@@ -1,0 +1,28 @@
+"""Places that a trained model finds changed in training pairs, for its judge to learn from, a file per file of pairs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ..config import Config, ModelName
+from ..masks.judging import Places, places_in
+from ..masks.outcome import OUTCOMES
+from ..masks.predictor import best_device, load_predictor
+from ..masks.store import read_arrays, read_pairs, write_arrays
+from ..provenance import provenance
+
+
+def write_mask_places(config: Config, model: ModelName, predictor: Path, pairs: Path, out: Path) -> None:
+    """The places of the first pairs of a file in which something moved."""
+    told = read_pairs(pairs)
+    chosen = np.nonzero(told.outcome == OUTCOMES.index("moved"))[0][: config.masks.judge.pairs]
+    places = places_in(load_predictor(predictor, model, best_device()), told.pictures[chosen], told.masks[chosen])
+    write_arrays(out, "places", places._asdict(), provenance(config))
+
+
+def read_places(*paths: Path) -> Places:
+    """Read what :func:`write_mask_places` wrote, all files as one. Raises StoreError."""
+    parts = [read_arrays(path, "places")[0] for path in paths]
+    return Places(*(np.concatenate([part[name] for part in parts]) for name in Places._fields))
