@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -18,6 +18,23 @@ from .tables import read_table, write_table
 
 Compute = Callable[[int, int], pd.DataFrame]
 """The rows of units start <= i < stop; what it returns may not depend on how units are cut into batches."""
+
+
+def write_in_batches(
+    name: str,
+    compute: Compute,
+    start: int,
+    stop: int,
+    out: Path,
+    config: Config,
+    settings: str,
+    batch: int = 100,
+    sources: Sequence[Path] = (),
+    about: Mapping[str, str] | None = None,
+) -> None:
+    """Write a table, in batches of which a killed run keeps the finished ones (:func:`in_batches`); `about` goes into the file."""
+    write_table(name, in_batches(name, compute, start, stop, out, config, settings, batch, sources), out, config, about)
+    forget_batches(out)
 
 
 def in_batches(

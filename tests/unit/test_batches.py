@@ -7,8 +7,9 @@ from contextlib import suppress
 import pandas as pd
 import pytest
 
-from sensory_commutativity.batches import forget_batches, in_batches
+from sensory_commutativity.batches import forget_batches, in_batches, write_in_batches
 from sensory_commutativity.seeding import generator
+from sensory_commutativity.tables import read_about, read_table
 
 TABLE = "flatland_experiments"
 
@@ -164,3 +165,14 @@ def test_nothing_looks_finished_before_it_is(run, tmp_path):
         run(Work(dies_at=7))
     assert not (tmp_path / "table.parquet").exists()
     assert [p.name for p in tmp_path.iterdir()] == [".table.parquet.batches"]
+
+
+def test_a_table_is_written_with_what_is_told_of_it_and_its_batches_are_forgotten(tmp_path, tiny_config):
+    out = tmp_path / "table.parquet"
+    with pytest.raises(Killed):
+        write_in_batches(TABLE, Work(dies_at=7), 0, 10, out, tiny_config, "", 3)
+    again = Work()
+    write_in_batches(TABLE, again, 0, 10, out, tiny_config, "", 3, about={"eye": "made up"})
+    assert again.asked == [(6, 9), (9, 10)] and list(tmp_path.iterdir()) == [out]
+    pd.testing.assert_frame_equal(read_table(TABLE, out), Work()(0, 10), check_dtype=False)
+    assert read_about(out)["eye"] == "made up"

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ..batches import forget_batches, in_batches
+from ..batches import write_in_batches
 from ..config import ApartmentRun, Config
 from ..errors import TableError
 from ..experiment import endings_per_dof
@@ -72,9 +72,7 @@ def write_experiments(config: Config, run: ApartmentRun, part: int, out: Path) -
     def compute(low: int, high: int) -> pd.DataFrame:
         return run_experiments(config, run, world, features, low, high)
 
-    frame = in_batches(TABLE, compute, start, stop, out, config, settings, BATCH)
-    write_table(TABLE, frame, out, config, features.about)
-    forget_batches(out)
+    write_in_batches(TABLE, compute, start, stop, out, config, settings, BATCH, about=features.about)
 
 
 def gather_experiments(parts: list[Path], out: Path, config: Config) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from ..batches import forget_batches, in_batches
+from ..batches import write_in_batches
 from ..config import Config
 from ..distances import mean_squared_error
 from ..estimate import commutes
@@ -60,9 +60,7 @@ def write_commutation_experiments(config: Config, name: str, part: int, out: Pat
         f"{config.seed} {flatland.sequence_length} {flatland.commutation_worlds()[name]} "
         f"{name} {flatland.worlds[name]!r} {reference.agent} {flatland.agents[reference.agent]!r}"
     )
-    frame = in_batches(PARTS, lambda low, high: run_commutation(config, name, low, high), start, stop, out, config, settings, batch=20)
-    write_table(PARTS, frame, out, config)
-    forget_batches(out)
+    write_in_batches(PARTS, lambda low, high: run_commutation(config, name, low, high), start, stop, out, config, settings, batch=20)
 
 
 def write_commutation(parts: list[Path], out: Path, config: Config) -> None:

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from ..batches import forget_batches, in_batches
+from ..batches import write_in_batches
 from ..config import Config, Run
 from ..experiment import distances_per_dof
 from ..seeding import seed_for
-from ..tables import TABLES, write_table
+from ..tables import TABLES
 from ..worlds.flatland.from_config import flatland_world
 
 TABLE = "flatland_experiments"
@@ -45,6 +45,4 @@ def write_experiments(config: Config, run: Run, part: int, out: Path) -> None:
     def compute(low: int, high: int) -> pd.DataFrame:
         return run_experiments(config, run, low, high)
 
-    frame = in_batches(TABLE, compute, start, stop, out, config, settings)
-    write_table(TABLE, frame, out, config)
-    forget_batches(out)
+    write_in_batches(TABLE, compute, start, stop, out, config, settings)

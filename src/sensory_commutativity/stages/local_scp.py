@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ..batches import forget_batches, in_batches
+from ..batches import write_in_batches
 from ..config import Config
 from ..mapping.local import Seen, experiments_at
 from ..mapping.places import Place
@@ -26,7 +26,7 @@ from ..progress import progress
 from ..provenance import provenance
 from ..seeding import generator
 from ..statistics.proportions import wilson_interval
-from ..tables import TABLES, write_table
+from ..tables import TABLES
 from ..worlds.apartment.from_config import scene_of
 from ..worlds.apartment.world import ApartmentWorld
 from .mask_comparisons import BETTER
@@ -70,9 +70,7 @@ def write_local_scp(config: Config, experiments: Sequence[Path], predictor: Path
         return pd.DataFrame([row for path in experiments[start:stop] for row in _rows(path, loaded, config)], columns=columns)
 
     settings = settings_of_map(config)
-    frame = in_batches(TABLE, compute, 0, len(experiments), out, config, settings, batch=1, sources=[predictor, *experiments])
-    write_table(TABLE, frame, out, config)
-    forget_batches(out)
+    write_in_batches(TABLE, compute, 0, len(experiments), out, config, settings, batch=1, sources=[predictor, *experiments])
 
 
 def _of_job(config: Config, part: int) -> slice:

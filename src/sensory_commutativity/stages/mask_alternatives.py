@@ -11,14 +11,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ..batches import forget_batches, in_batches
+from ..batches import write_in_batches
 from ..config import Config
 from ..masks.decision import MASK, outcomes
 from ..masks.experiments import COMPARISONS, KINDS
 from ..masks.outcome import OUTCOMES
 from ..masks.predictor import MaskPredictor, load_predictor
 from ..masks.store import read_arrays, unpack
-from ..tables import write_table
 from .mask_comparisons import BETTER
 from .mask_tuples import CONTENT
 
@@ -33,9 +32,7 @@ def write_alternatives(config: Config, predictor: Path, tuples: Sequence[Path], 
     def compute(start: int, stop: int) -> pd.DataFrame:
         return pd.concat([_looked_at(loaded, tuples[i], i, per_job) for i in range(start, stop)], ignore_index=True)
 
-    frame = in_batches(TABLE, compute, 0, len(tuples), out, config, str(per_job), BATCH, [predictor, *tuples])
-    write_table(TABLE, frame, out, config)
-    forget_batches(out)
+    write_in_batches(TABLE, compute, 0, len(tuples), out, config, str(per_job), BATCH, [predictor, *tuples])
 
 
 def _looked_at(predictor: MaskPredictor, path: Path, household: int, per_job: int) -> pd.DataFrame:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ..batches import forget_batches, in_batches
+from ..batches import write_in_batches
 from ..config import Config
 from ..masks.decision import MASK, intersection_over_union, outcomes
 from ..masks.experiments import KINDS
@@ -75,9 +75,7 @@ def write_model_scores(config: Config, predictor: Path, model: str, tuples: Mapp
         return pd.concat([_scored(loaded, *unit, per_job).assign(model=model) for unit in units[start:stop]], ignore_index=True)
 
     sources = [predictor, *(path for path, *_ in units)]
-    frame = in_batches("mask_scores", compute, 0, len(units), out, config, f"{model} {n}", BATCH, sources)
-    write_table("mask_scores", frame, out, config)
-    forget_batches(out)
+    write_in_batches("mask_scores", compute, 0, len(units), out, config, f"{model} {n}", BATCH, sources)
 
 
 def _scored(predictor: MaskPredictor, path: Path, household: int, chosen: Mapping[str, np.ndarray], per_job: int) -> pd.DataFrame:
