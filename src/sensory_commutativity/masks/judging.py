@@ -72,7 +72,7 @@ class JudgeTrainer(Cycle):
     def __init__(self, places: Places, recipe: Recipe, seed: int, device: str = "cpu", **architecture: int):
         self.places, self.seed, self.device = places, seed, device
         torch.manual_seed(seed_for(seed, "weights", "judge") % 2**63)
-        super().__init__(PlaceJudge(**architecture).to(device), recipe)
+        super().__init__(PlaceJudge(**architecture).to(device, memory_format=torch.channels_last), recipe)  # a fifth faster on a CPU
 
     def loss(self) -> Tensor:
         """Cross-entropy of what both views are found to show."""
@@ -87,7 +87,7 @@ class JudgeTrainer(Cycle):
         empty = torch.where(swapped[:, None], empty.flip(1), empty)
         seen = torch.cat([_recoloured(seen[:, :6], rng), seen[:, 6:]], 1)
         with torch.autocast(self.device, torch.bfloat16, enabled=has_half_precision(self.device)):
-            logits = self.model(seen)
+            logits = self.model(seen.contiguous(memory_format=torch.channels_last))
         return functional.binary_cross_entropy_with_logits(logits.float(), empty)
 
 
