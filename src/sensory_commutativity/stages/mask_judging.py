@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from ..masks.store import Pairs, read_pairs
 from ..provenance import package_versions, provenance
 from ..runs.checksums import sha256
 from .mask_places import read_places
+from .mask_training import quality
 
 
 def write_judged(config: Config, model: ModelName, predictor: Path, places: Sequence[Path], validation: Sequence[Path], out: Path) -> None:
@@ -42,6 +44,9 @@ def write_difference(config: Config, validation: Sequence[Path], predictor: Path
 
 
 def _save_tuned(predictor: MaskPredictor, held_out: Pairs, path: Path, config: Config) -> None:
-    """Choose the decision rule on pairs that are neither trained on nor tested on, and save."""
-    predictor.rule = tune(predictor.probabilities(held_out.pictures), held_out.outcome)
+    """Choose the decision rule on pairs that are neither trained on nor tested on, say how good it is on them, and save."""
+    found = predictor.probabilities(held_out.pictures)
+    predictor.rule = tune(found, held_out.outcome)
+    accuracy, iou = quality(found, held_out, predictor.rule)
+    print(f"{predictor.name}: validation: accuracy {accuracy:.3f}, mean IoU {iou:.3f}", file=sys.stderr)
     predictor.save(path, provenance(config))

@@ -68,13 +68,19 @@ def _row(trainer: Trainer, rows: list[Row], held_out: Pairs) -> Row:
     """How far training has got, on pairs that it does not show, at first sight."""
     before = rows[-1]["step"] if rows else 0
     found = MaskPredictor(trainer.name, trainer.model, device=trainer.device).probabilities(held_out.pictures, again=False)
-    moved = held_out.outcome == MOVED
-    iou = intersection_over_union(found[moved], held_out.masks[moved])
+    accuracy, iou = quality(found, held_out, Rule())
     return dict(
         step=trainer.step,
         visits=trainer.step * trainer.recipe.batch_size,
         learning_rate=learning_rate(trainer.recipe, trainer.step - 1),
         loss=float(np.mean(trainer.losses[int(before) :])),
-        accuracy=float((outcomes(found, Rule()) == held_out.outcome).mean()),
-        iou=float(np.nanmean(np.nanmean(iou, axis=1))),
+        accuracy=accuracy,
+        iou=iou,
     )
+
+
+def quality(found: np.ndarray, held_out: Pairs, rule: Rule) -> tuple[float, float]:
+    """Accuracy, and mean overlap where something moved, of maps float (n, 2, h, w) of pairs."""
+    moved = held_out.outcome == MOVED
+    iou = intersection_over_union(found[moved], held_out.masks[moved])
+    return float((outcomes(found, rule) == held_out.outcome).mean()), float(np.nanmean(np.nanmean(iou, axis=1)))
