@@ -125,6 +125,8 @@ def test_a_second_run_does_nothing(finished: Path) -> None:
         ("apartment: {image_size: 48}", {"apartment_experiments_part"}, {"flatland_experiments_part", "mask_pairs"}),
         ("masks: {tests: {tuples: 3}}", {"mask_model_scores", "mask_summary"}, {"mask_tuples", "mask_training", "apartment_experiments_part"}),
         ("masks: {raft: {learning_rate: 0.002}}", {"mask_training", "mask_model_scores"}, {"mask_pairs", "mask_tuples"}),
+        ("masks: {judge: {visits: 12}}", {"mask_judging", "mask_model_scores"}, {"mask_training", "mask_places", "mask_tuples"}),
+        ("masks: {judge: {pairs: 1}}", {"mask_places", "mask_judging"}, {"mask_training", "mask_pairs"}),
         ("masks: {map: {spacing: 1.5}}", {"local_scp_experiments", "local_scp_summary"}, {"mask_training", "mask_tuples"}),
         ("navigation: {alpha: 0.01}", {"navigation_comparisons", "navigation_calibration"}, {"navigation_run", "navigation_scores"}),
         ("flatland: {baselines: {epochs: 3}}", {"flatland_baselines_part"}, {"flatland_experiments_part", "flatland_scp"}),
