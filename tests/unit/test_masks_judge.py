@@ -8,8 +8,8 @@ import torch
 
 from sensory_commutativity.masks.cycle import Recipe
 from sensory_commutativity.masks.judge import CHANNELS, SIDE, PlaceJudge, close_ups, emptiness, exchanged, judged, places_of
-from sensory_commutativity.masks.judging import JudgeTrainer, Places, places_in
-from sensory_commutativity.masks.predictor import MaskPredictor
+from sensory_commutativity.masks.judging import JudgeTrainer, Places, _recoloured, places_in
+from sensory_commutativity.masks.predictor import MaskPredictor, PredictorError
 
 
 def one_pair(side: int = 64) -> tuple[np.ndarray, np.ndarray]:
@@ -82,6 +82,8 @@ def test_what_follows_from_a_verdict(empty):
             assert (found[view, 4:20, 4:20] == np.float32(0.9)).all() and (found[view, 40:44, 40:44] == np.float32(0.8)).all()
         assert found[view, 60, 60] == np.float32(0.3)
     assert not judged(Told(0.9, 0.9), np.zeros((1, 2, 64, 64), np.float32), pictures[None]).any()
+    everything = np.full((1, 2, 64, 64), 0.9, np.float32)
+    assert np.array_equal(judged(Told(*empty), everything, pictures[None]), everything)  # another view stays one
 
 
 class Both(torch.nn.Module):
@@ -111,6 +113,26 @@ def test_places_to_learn_from_are_labelled_by_the_true_masks():
     assert np.array_equal(places.empty, ~masks[:4].any((2, 3)))
     none = places_in(MaskPredictor("raft", Both()), np.zeros_like(pictures), masks)
     assert none.close_ups.shape == (0, CHANNELS, SIDE, SIDE) and none.empty.shape == (0, 2)
+
+
+def test_places_of_a_predictor_with_a_judge_are_refused():
+    with pytest.raises(PredictorError, match="has a judge already; give the one that mask-training wrote"):
+        places_in(MaskPredictor("raft", Both(), judge=PlaceJudge(4)), *bright(1))
+
+
+def test_a_first_look_is_not_judged():
+    pictures, _ = bright(2)
+    predictor = MaskPredictor("raft", Both(), judge=Told(0.9, 0.9))
+    assert (predictor.probabilities(pictures, again=False) > 0.5).any() and not (predictor.probabilities(pictures) > 0.5).any()
+
+
+def test_colours_change_alike_in_both_pictures_and_nothing_outside_of_them():
+    pictures = torch.rand(5, 6, 8, 8) - 0.5
+    pictures[:, :, :3] = 0
+    pictures[:, 3:] = pictures[:, :3]
+    found = _recoloured(pictures, np.random.default_rng(0))
+    assert not found[:, :, :3].any() and torch.equal(found[:, :3], found[:, 3:])
+    assert (found[:, :, 3:] != pictures[:, :, 3:]).float().mean() > 0.9 and found.abs().max() <= 1
 
 
 def some_places(n: int, seed: int = 0) -> Places:

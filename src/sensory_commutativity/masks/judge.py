@@ -56,7 +56,9 @@ class PlaceJudge(nn.Module):
 
 
 def places_of(maps: np.ndarray) -> list[np.ndarray]:
-    """Connected places that have changed in either view, bool (h, w) each, of maps float (2, h, w)."""
+    """Connected places that have changed in either view, bool (h, w) each, of maps float (2, h, w); none where all seems different."""
+    if maps.mean() > MASK:
+        return []
     parts, n = label((maps > MASK).any(0), _SQUARE)
     return [parts == k + 1 for k in range(n)]
 

@@ -14,9 +14,8 @@ from torch.nn import functional
 
 from ..seeding import generator, seed_for
 from .cycle import Cycle, Recipe, has_half_precision
-from .decision import MASK
 from .judge import CHANNELS, SIDE, PlaceJudge, close_ups, exchanged, places_of
-from .predictor import MaskPredictor
+from .predictor import MaskPredictor, PredictorError
 
 COVERED = 0.15
 """Of a place, from which what moved is there in a view; chosen: less is the rim of what is beside it."""
@@ -39,17 +38,28 @@ class Places(NamedTuple):
 
 
 def places_in(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray) -> Places:
-    """Places that a predictor without a judge finds changed, but for pairs that it takes for different.
+    """Places that a predictor without a judge finds changed, labelled by the true masks.
 
     Parameters
     ----------
     predictor : MaskPredictor
     pictures : uint8 (n, 2, h, w, 3)
     masks : bool (n, 2, h, w)
+
+    Returns
+    -------
+    Places
+
+    Raises
+    ------
+    PredictorError
+        If the predictor has a judge: what it says is no longer what the model says.
     """
+    if predictor.judge is not None:
+        raise PredictorError("the predictor has a judge already; give the one that mask-training wrote, under data/mask_training/")
     seen, empty = [torch.zeros(0, CHANNELS, SIDE, SIDE)], [np.zeros((0, 2), bool)]
     for maps, pair, truth in zip(predictor.probabilities(pictures), pictures, masks, strict=True):
-        places = places_of(maps) if maps.mean() <= MASK else []
+        places = places_of(maps)
         if places:
             seen.append(close_ups(maps, pair, places))
             empty.append(np.stack([truth[:, place].mean(1) < COVERED for place in places]))
@@ -67,6 +77,8 @@ class JudgeTrainer(Cycle):
     seed : int
     device : str
         ``cpu`` or ``cuda``.
+    architecture
+        Of the :class:`PlaceJudge`.
     """
 
     def __init__(self, places: Places, recipe: Recipe, seed: int, device: str = "cpu", **architecture: int):
@@ -92,7 +104,8 @@ class JudgeTrainer(Cycle):
 
 
 def _recoloured(pictures: Tensor, rng: np.random.Generator) -> Tensor:
-    """Both pictures, float (k, 6, h, w) in [-1, 1], with their colours in another order, and darker or brighter."""
+    """Both pictures, float (k, 6, h, w) in [-1, 1], with their colours in another order, and darker or brighter; 0 outside of them stays 0."""
+    inside = (pictures != 0).any(1, keepdim=True)
     order = torch.from_numpy(rng.permutation(3)).to(pictures.device)
     light = torch.from_numpy(np.exp(rng.uniform(DIMMEST, BRIGHTEST, (len(pictures), 1, 1, 1))).astype(np.float32)).to(pictures.device)
-    return ((pictures[:, torch.cat([order, order + 3])] + 1) * light - 1).clamp(-1, 1)
+    return torch.where(inside, ((pictures[:, torch.cat([order, order + 3])] + 1) * light - 1).clamp(-1, 1), 0)

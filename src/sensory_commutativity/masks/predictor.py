@@ -87,11 +87,13 @@ class MaskPredictor:
         moved = np.nonzero(changed.any((1, 2, 3)) & (mean <= MASK))[0]
         if len(moved):
             # that something moved is known by now, so of the other view less needs to be in sight
-            seen = cleaned(_probabilities(look_again(self._see, x[moved], changed[moved].any(1))), SEEN / 2)
-            found[moved] = judged(self.judge, seen, pictures[moved]) if self.judge is not None else seen
+            found[moved] = cleaned(_probabilities(look_again(self._see, x[moved], changed[moved].any(1))), SEEN / 2)
         unsure = np.nonzero((mean > MASK) & (mean <= SURE))[0]
         if len(unsure) and farther(x.shape[-2:]):
             found[unsure] = cleaned(_probabilities(look_from_farther(self._see, x[unsure])))
+        if self.judge is not None:
+            doubtful = np.union1d(moved, unsure)
+            found[doubtful] = judged(self.judge, found[doubtful], pictures[doubtful])
 
     def _see(self, pictures: Tensor) -> Tensor:
         """Logits, float (n, 2, h, w), of pictures float (n, 2, 3, h, w)."""
