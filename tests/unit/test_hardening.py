@@ -22,7 +22,7 @@ from sensory_commutativity import yamlfile
 from sensory_commutativity.checkpoints import Checkpoint, CheckpointError, load_state, save_state
 from sensory_commutativity.config import load
 from sensory_commutativity.errors import ConfigError, UserError
-from sensory_commutativity.masks.predictor import PredictorError, load_predictor
+from sensory_commutativity.masks.predictor import _FORMAT, PredictorError, load_predictor
 from sensory_commutativity.navigation.training import policy_of_run
 from sensory_commutativity.perceptual.weights import WeightsError, vgg16_weights
 from sensory_commutativity.worlds.apartment.robot import load_robot
@@ -121,12 +121,15 @@ def test_a_hostile_array_in_an_archive_of_arrays_is_not_executed(tmp_path, marke
     "state",
     [
         {},
-        {"format": 2, "name": "raft"},
-        {"format": 2, "name": "difference"},
-        {"format": 2, "name": "raft", "rule": [0.5], "field_of_view": None, "architecture": 3, "weights": {}},
-        {"format": 2, "name": "raft", "rule": [0.5], "field_of_view": None, "architecture": {"no_such": 3}, "weights": {}},
-        {"format": 2, "name": "raft", "rule": [0.5], "field_of_view": None, "architecture": {}, "weights": 3},
-        {"format": 2, "name": "raft", "rule": [0.5], "field_of_view": None, "architecture": {}, "weights": {"a": 3}},
+        {"format": _FORMAT - 1, "name": "raft"},
+        {"format": _FORMAT, "name": "raft"},
+        {"format": _FORMAT, "name": "difference"},
+        {"format": _FORMAT, "name": "raft", "rule": [0.5]},
+        {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": 3},
+        {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": {"architecture": 3, "weights": {}}},
+        {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": {"architecture": {"no_such": 3}, "weights": {}}},
+        {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": {"architecture": {}, "weights": 3}},
+        {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": {"architecture": {}, "weights": {"a": 3}}},
     ],
     ids=str,
 )

@@ -309,6 +309,10 @@ def predictor(tmp_path):
 def test_a_predictor_is_read_as_it_was_written(predictor):
     loaded = load_predictor(predictor, "raft")
     assert loaded.rule == Rule(0.4, 0.6, 8.0)
+    torch.manual_seed(0)
+    for written, read in ((MaskRaft(**SMALL["raft"]), loaded.model), (PlaceJudge(4), loaded.judge)):
+        pairs = zip(written.state_dict().items(), read.state_dict().items(), strict=True)
+        assert all(name == other and torch.allclose(a.float(), b.float(), atol=1e-3) for (name, a), (other, b) in pairs)
     pictures = some_pairs(3).pictures
     assert np.array_equal(loaded.probabilities(pictures, batch_size=1), load_predictor(predictor).probabilities(pictures, batch_size=1))
     found = loaded.probabilities(pictures)

@@ -11,7 +11,7 @@ from sensory_commutativity.cli import main
 from sensory_commutativity.config import load, validate
 from sensory_commutativity.masks import cycle
 from sensory_commutativity.masks.judge import CHANNELS, SIDE
-from sensory_commutativity.masks.judging import JudgeTrainer, Places, places_in
+from sensory_commutativity.masks.judging import JudgeTrainer, Places
 from sensory_commutativity.masks.pairs import Pair
 from sensory_commutativity.masks.predictor import MODELS, MaskPredictor, load_predictor
 from sensory_commutativity.masks.store import write_arrays, write_pairs
@@ -90,6 +90,10 @@ def test_a_killed_training_ends_as_one_that_was_not(files, config, monkeypatch, 
     assert not list(files.glob(".*")), "checkpoints are left"
 
 
+def some_places(n: int, seed: int = 0) -> Places:
+    return Places(np.random.default_rng(seed).uniform(size=(n, CHANNELS, SIDE, SIDE)).astype(np.float16), np.eye(n, 2, dtype=bool))
+
+
 def judged(files, config, name: str, places: str = "places") -> MaskPredictor:
     out = files / f"{name}.predictor"
     mask_judging.write_judged(config, "flownet", files / "model.predictor", [files / f"{places}.h5"], [files / "validation.h5"], out)
@@ -99,8 +103,7 @@ def judged(files, config, name: str, places: str = "places") -> MaskPredictor:
 def test_a_killed_judging_ends_as_one_that_was_not(files, config, monkeypatch):
     trained(files, config, "model")
     assert load_predictor(files / "model.predictor").judge is None
-    found = Places(np.random.default_rng(0).uniform(size=(9, CHANNELS, SIDE, SIDE)).astype(np.float16), np.eye(9, 2, dtype=bool))
-    write_arrays(files / "places.h5", "places", found._asdict(), {})
+    write_arrays(files / "places.h5", "places", some_places(9)._asdict(), {})
     assert judged(files, config, "whole").judge is not None
     monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
     advance, steps = JudgeTrainer.advance, []
@@ -122,17 +125,20 @@ def test_a_killed_judging_ends_as_one_that_was_not(files, config, monkeypatch):
 
 def test_places_are_found_in_the_first_pairs_in_which_something_moved(files, config, monkeypatch):
     trained(files, config, "model")
-    shown = []
+    shown, given = [], [some_places(3, seed=k) for k in range(2)]
 
     def seen(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray) -> Places:
-        shown.append(pictures)
-        return places_in(predictor, np.zeros_like(pictures), masks)
+        shown.append((pictures, masks))
+        return given[len(shown) - 1]
 
     monkeypatch.setattr(mask_places, "places_in", seen)
-    mask_places.write_mask_places(config, "flownet", files / "model.predictor", files / "training.h5", files / "none.h5")
-    assert np.array_equal(shown[0], np.stack([pair.pictures for pair in made_up(9, 1) if pair.outcome == "moved"][:2]))
-    kept = mask_places.read_places(files / "none.h5", files / "none.h5")
-    assert kept.empty.shape[1:] == (2,) and len(kept.close_ups) == len(kept.empty)
+    for name in "ab":
+        mask_places.write_mask_places(config, "flownet", files / "model.predictor", files / "training.h5", files / f"{name}.h5")
+    moved = [pair for pair in made_up(9, 1) if pair.outcome == "moved"][:2]
+    assert np.array_equal(shown[0][0], np.stack([pair.pictures for pair in moved]))
+    assert np.array_equal(shown[0][1], np.stack([pair.masks for pair in moved]))
+    kept = mask_places.read_places(files / "a.h5", files / "b.h5")
+    assert all(np.array_equal(both, np.concatenate(parts)) for both, *parts in zip(kept, *given, strict=True))
 
 
 def test_a_model_that_finds_no_place_gets_no_judge(files, config):

@@ -22,10 +22,14 @@ def all_tuples():
     ]
 
 
+def memory_of_pairs(n):
+    """MB of pictures with their masks and maps, read twice over, of so many pairs of each outcome."""
+    return 2 * 3 * n * MASKS.image_size**2 * (2 * 3 + 2) // 1_000_000
+
+
 def memory_of_training():
-    """MB: all pictures with their masks, read twice over, beside torch."""
-    pairs = 3 * (MASKS.data.pairs + MASKS.data.validation_pairs)
-    return 1500 + 2 * pairs * MASKS.image_size**2 * (2 * 3 + 2) // 1_000_000
+    """MB: all pairs, beside torch."""
+    return 1500 + memory_of_pairs(MASKS.data.pairs + MASKS.data.validation_pairs)
 
 
 def given(option, files):
@@ -107,7 +111,7 @@ rule mask_places:
     benchmark:
         BENCHMARKS / "mask_places" / "{model}.{part}-of-{parts}.tsv"
     resources:
-        mem_mb=growing(3000),
+        mem_mb=growing(1500 + memory_of_pairs(2 * MASKS.data.pairs_per_job)),
         runtime=growing(20),
     params:
         settings=digest(MASKS.judge.pairs),
@@ -132,7 +136,7 @@ rule mask_judging:
     wildcard_constraints:
         model="|".join(LEARNED),
     resources:
-        mem_mb=growing(3000),
+        mem_mb=growing(2500 + memory_of_pairs(3 * MASKS.data.validation_pairs)),
         runtime=growing(60),
     params:
         places=lambda w, input: given("places", input.places),

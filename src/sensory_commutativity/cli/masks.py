@@ -12,8 +12,9 @@ from .common import Part, check_parts, table, with_config, with_out, with_parts
 
 FILE: Any = click.Path(dir_okay=False, path_type=Path)
 _part = click.option("--part", type=Part(), required=True, help="Which of the jobs that the configuration cuts the work into.")
-_model = click.option("--model", type=click.Choice(LEARNED), required=True, help="Which is trained.")
+_model = click.option("--model", type=click.Choice(LEARNED), required=True, help="Which of the models that learn.")
 _predictor = click.option("--predictor", type=FILE, required=True, help="File of a trained predictor.")
+_unjudged = click.option("--predictor", type=FILE, required=True, help="What mask-training wrote: a trained model without a judge.")
 _training = click.option("--training", type=FILE, multiple=True, required=True, help="File of pairs to learn from; once for each.")
 _validation = click.option("--validation", type=FILE, multiple=True, required=True, help="File of validation pairs; once for each.")
 _tuples = click.option("--tuples", type=FILE, multiple=True, required=True, help="Files of tuples RUN.I-of-N.h5, all of all runs.")
@@ -60,7 +61,7 @@ def mask_training(config: Config, model, training: tuple[Path, ...], validation:
 @click.command()
 @with_config
 @_model
-@_predictor
+@_unjudged
 @click.option("--pairs", type=FILE, required=True, help="File of training pairs.")
 @with_out
 def mask_places(config: Config, model, predictor: Path, pairs: Path, out: Path) -> None:
@@ -73,7 +74,7 @@ def mask_places(config: Config, model, predictor: Path, pairs: Path, out: Path) 
 @click.command()
 @with_config
 @_model
-@_predictor
+@_unjudged
 @click.option("--places", type=FILE, multiple=True, required=True, help="File of places to learn from; once for each.")
 @_validation
 @with_out

@@ -62,7 +62,7 @@ class Cycle(ABC):
 
     @abstractmethod
     def loss(self) -> Tensor:
-        """That of the model on what the step at hand shows."""
+        """That of the model on what the step at hand shows: float ()."""
 
     @property
     def finished(self) -> bool:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import label
 
-from .outcome import OUTCOMES, SEEN
+from .outcome import MOVED, OUTCOMES, SEEN
 
 MASK = 0.5
 """Probability from which a pixel belongs to a mask."""
@@ -36,7 +36,7 @@ def outcomes(probabilities: np.ndarray, rule: Rule) -> np.ndarray:
     height, width = probabilities.shape[2:]
     everything = probabilities.mean((1, 2, 3)) > rule.different
     something = (probabilities > rule.sure).sum((1, 2, 3)) >= rule.area * height * width / 128**2
-    found = np.where(everything, OUTCOMES.index("different"), np.where(something, OUTCOMES.index("moved"), OUTCOMES.index("identical")))
+    found = np.where(everything, OUTCOMES.index("different"), np.where(something, MOVED, OUTCOMES.index("identical")))
     return found.astype(np.int8)
 
 

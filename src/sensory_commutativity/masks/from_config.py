@@ -18,6 +18,7 @@ from ..worlds.apartment.robot import Robot, load_robot, with_fixed
 if TYPE_CHECKING:  # the workflow reads this module before every job: nothing heavy
     import pandas as pd
 
+    from ..config.masks import JudgeConfig, MaskModelConfig
     from ..worlds.apartment.camera import Camera
     from .cycle import Recipe
     from .household import Household
@@ -120,18 +121,12 @@ def household_of_tests(config: Config, run: TupleRun, job: int) -> Household:
 
 def recipe_of(config: Config, model: ModelName) -> Recipe:
     """How a model is trained."""
-    from .cycle import Recipe  # imports torch
-
-    settings = config.masks.model(model)
-    return Recipe(settings.visits, settings.batch_size, settings.learning_rate, settings.weight_decay)
+    return _recipe(config.masks.model(model))
 
 
 def recipe_of_judge(config: Config) -> Recipe:
     """How a judge of places is trained."""
-    from .cycle import Recipe  # imports torch
-
-    settings = config.masks.judge
-    return Recipe(settings.visits, settings.batch_size, settings.learning_rate, settings.weight_decay)
+    return _recipe(config.masks.judge)
 
 
 def training_seed(config: Config) -> int:
@@ -226,3 +221,9 @@ def _files(config: Config, scenes: Sequence[str]) -> list[tuple[str, ...]]:
     settings = config.apartment
     robot = contents(settings.robots[config.masks.robot].description, "robot")
     return [robot, *(contents(settings.scenes[scene].file, "scene") for scene in scenes)]
+
+
+def _recipe(settings: MaskModelConfig | JudgeConfig) -> Recipe:
+    from .cycle import Recipe  # imports torch
+
+    return Recipe(settings.visits, settings.batch_size, settings.learning_rate, settings.weight_decay)

@@ -1,9 +1,10 @@
 """In which of two pictures is what moved? A small network that judges each connected place as a whole.
 
-Models see well where something changed, and less well in which of the two views it is: part of a thing, or all of it, is put into the view that
-shows what is behind it. To tell takes the whole place at once: a thing has an outline and colours of its own, and what is behind it goes on under
-that outline. So of each connected place that has changed the judge sees a close-up of both pictures and of what the model made of them, and says
-of each view whether it shows nothing there that moved. It learns from pairs that the model is shown (:mod:`.judging`).
+A place is here a connected part of the picture, the same in both views. Models see well where something changed, and less well in which of the two
+views it is: part of a thing, or all of it, is put into the view that shows what is behind it. To tell takes the whole place at once: a thing has an
+outline and colours of its own, and what is behind it goes on under that outline. So of each connected place that has changed the judge sees a
+close-up of both pictures and of what the model made of them, and says of each view whether it shows nothing there that moved. It learns from pairs
+that the model is shown (:mod:`.judging`).
 """
 
 from __future__ import annotations

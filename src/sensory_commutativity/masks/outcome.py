@@ -19,6 +19,7 @@ from ..worlds.apartment.scene import IDENTITIES
 
 Outcome = Literal["identical", "different", "moved"]
 OUTCOMES: tuple[Outcome, ...] = ("identical", "different", "moved")
+MOVED = OUTCOMES.index("moved")
 MOST_SHIFT = 2.0 / 128
 """Mean displacement of what stands still, in heights of the picture; chosen: two pixels of 128, with a field of view of 90 degrees 1.3 degrees of
 camera rotation, about where a person who flips between the pictures calls them two views."""

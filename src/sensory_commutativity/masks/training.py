@@ -20,14 +20,13 @@ from torch.nn import functional
 from ..seeding import generator, seed_for
 from .cycle import Cycle, Recipe, has_half_precision
 from .loss import mask_loss
-from .outcome import OUTCOMES
+from .outcome import MOVED
 from .predictor import MODELS, as_tensor
 from .store import Pairs
 
 AIMED, ENLARGED = 0.75, 0.3
 """Of what is cut out, how much is so around a pixel that moved, the rest being anywhere, and how much is smaller still and enlarged up to twice;
 chosen: pictures with another field of view are enlarged too."""
-MOVED = OUTCOMES.index("moved")
 
 
 class Stage(NamedTuple):

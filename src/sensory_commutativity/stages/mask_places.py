@@ -8,7 +8,7 @@ import numpy as np
 
 from ..config import Config, ModelName
 from ..masks.judging import Places, places_in
-from ..masks.outcome import OUTCOMES
+from ..masks.outcome import MOVED
 from ..masks.predictor import best_device, load_predictor
 from ..masks.store import read_arrays, read_pairs, write_arrays
 from ..provenance import provenance
@@ -17,7 +17,7 @@ from ..provenance import provenance
 def write_mask_places(config: Config, model: ModelName, predictor: Path, pairs: Path, out: Path) -> None:
     """The places of the first pairs of a file in which something moved."""
     told = read_pairs(pairs)
-    chosen = np.nonzero(told.outcome == OUTCOMES.index("moved"))[0][: config.masks.judge.pairs]
+    chosen = np.nonzero(told.outcome == MOVED)[0][: config.masks.judge.pairs]
     places = places_in(load_predictor(predictor, model, best_device()), told.pictures[chosen], told.masks[chosen])
     write_arrays(out, "places", places._asdict(), provenance(config))
 

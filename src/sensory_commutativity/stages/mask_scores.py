@@ -13,13 +13,12 @@ from ..config import Config
 from ..masks.decision import MASK, intersection_over_union, outcomes
 from ..masks.experiments import KINDS
 from ..masks.from_config import tuple_runs
-from ..masks.outcome import OUTCOMES
+from ..masks.outcome import MOVED, OUTCOMES
 from ..masks.predictor import MaskPredictor, load_predictor
 from ..masks.store import read_arrays, unpack
 from ..tables import read_table, write_table
 from .mask_tuples import CONTENT
 
-MOVED = OUTCOMES.index("moved")
 BATCH = 2  # households; with RAFT some 20 seconds
 
 

@@ -18,18 +18,16 @@ from ..errors import TableError
 from ..masks.cycle import Row, learning_rate, to_the_end
 from ..masks.decision import Rule, intersection_over_union, outcomes
 from ..masks.from_config import recipe_of, settings_of_training, training_seed
-from ..masks.outcome import OUTCOMES
+from ..masks.outcome import MOVED
 from ..masks.predictor import MaskPredictor, best_device
 from ..masks.store import Pairs, read_pairs
 from ..masks.training import Trainer
 from ..provenance import package_versions, provenance
 from ..tables import read_table, write_table
 
-MOVED = OUTCOMES.index("moved")
-
 
 def write_training(config: Config, model: ModelName, training: Sequence[Path], validation: Sequence[Path], out: Path, predictor: Path) -> None:
-    """Train a model, or go on with it where it was killed; write its curve and itself, without a judge and with a rule as good as any."""
+    """Train a model, or go on with it where it was killed; write its curve and itself, without a judge, its rule not tuned."""
     settings = config.masks.model(model)
     torch.set_num_threads(settings.threads)
     device = best_device()
