@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import torch
 from click.testing import CliRunner
 from PIL import Image
 
@@ -14,7 +15,7 @@ from sensory_commutativity.masks.judge import CHANNELS, SIDE
 from sensory_commutativity.masks.judging import JudgeTrainer, Places
 from sensory_commutativity.masks.pairs import Pair
 from sensory_commutativity.masks.predictor import MODELS, MaskPredictor, load_predictor
-from sensory_commutativity.masks.store import write_arrays, write_pairs
+from sensory_commutativity.masks.store import Pairs, write_arrays, write_pairs
 from sensory_commutativity.masks.training import Trainer
 from sensory_commutativity.stages import mask_judging, mask_places, mask_training
 from sensory_commutativity.tables import read_table
@@ -104,6 +105,7 @@ def test_a_killed_judging_ends_as_one_that_was_not(files, config, monkeypatch):
     trained(files, config, "model")
     assert load_predictor(files / "model.predictor").judge is None
     write_arrays(files / "places.h5", "places", some_places(9)._asdict(), {})
+    monkeypatch.setattr(mask_judging, "quality", lambda maps, held_out, rule: (0.5, 0.5))  # what it is taught helps nobody
     assert judged(files, config, "whole").judge is not None
     monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
     advance, steps = JudgeTrainer.advance, []
@@ -139,6 +141,29 @@ def test_places_are_found_in_the_first_pairs_in_which_something_moved(files, con
     assert np.array_equal(shown[0][1], np.stack([pair.masks for pair in moved]))
     kept = mask_places.read_places(files / "a.h5", files / "b.h5")
     assert all(np.array_equal(both, np.concatenate(parts)) for both, *parts in zip(kept, *given, strict=True))
+
+
+class SaysEmpty(torch.nn.Module):
+    """Says so of one view, 0 or 1, of every place."""
+
+    def __init__(self, view: int):
+        super().__init__()
+        self.logits = torch.nn.Parameter(torch.where(torch.arange(2) == view, 9.0, -9.0))
+
+    def forward(self, seen):
+        return self.logits.expand(len(seen), 2)
+
+
+@pytest.mark.parametrize(("view", "kept"), [(1, True), (0, False)])
+def test_a_judge_is_kept_unless_it_harms(view, kept, capsys):
+    pictures, masks = np.zeros((2, 2, SIZE, SIZE, 3), np.uint8), np.zeros((2, 2, SIZE, SIZE), bool)
+    masks[:, 0, 10:30, 10:30] = True
+    found = np.repeat(masks.any(1)[:, None], 2, 1).astype(np.float32)  # seen in both views, and is in the first alone
+    predictor, pairs = MaskPredictor("flownet", MODELS["flownet"](scale=0.05)), Pairs(pictures, masks, np.full(2, 2, np.int8), ("moved",) * 2)
+    after = mask_judging.given_a_judge(predictor, SaysEmpty(view), found, pairs)
+    assert (predictor.judge is not None) == kept
+    assert np.array_equal(after > 0.5, masks if kept else found > 0.5)
+    assert ("left out; show it more places (masks.judge.visits)" in capsys.readouterr().err) == (not kept)
 
 
 def test_a_model_that_finds_no_place_gets_no_judge(files, config):
