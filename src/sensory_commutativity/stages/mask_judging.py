@@ -26,7 +26,10 @@ from .mask_training import quality
 
 
 def write_judged(config: Config, model: ModelName, predictor: Path, places: Sequence[Path], validation: Sequence[Path], out: Path) -> None:
-    """Train a judge, or go on with it where it was killed; write the predictor with it, tuned. Without a place, or if it harms, none."""
+    """Train a judge, or go on with it where it was killed, and write the predictor with it, tuned.
+
+    A judge that has no place to learn from, or that harms (:func:`given_a_judge`), is left out.
+    """
     torch.set_num_threads(1)
     device = best_device()
     trained, seen = load_predictor(predictor, model, device), read_places(*places)
