@@ -105,7 +105,7 @@ def test_a_killed_judging_ends_as_one_that_was_not(files, config, monkeypatch):
     trained(files, config, "model")
     assert load_predictor(files / "model.predictor").judge is None
     write_arrays(files / "places.h5", "places", some_places(9)._asdict(), {})
-    monkeypatch.setattr(mask_judging, "quality", lambda maps, held_out, rule: (0.5, 0.5))  # what it is taught helps nobody
+    monkeypatch.setattr(mask_judging, "quality", lambda *_: (0.5, 0.5))  # what it is taught helps nobody
     assert judged(files, config, "whole").judge is not None
     monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
     advance, steps = JudgeTrainer.advance, []

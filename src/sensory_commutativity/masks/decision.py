@@ -73,3 +73,19 @@ def tune(probabilities: np.ndarray, truth: np.ndarray) -> Rule:
     """The rule with the highest accuracy on pairs neither trained nor tested on; of equal ones the first. `truth`: places in OUTCOMES, int (n,)."""
     rules = [Rule(d, s, a) for d in (0.5, 0.4, 0.6, 0.3) for s in (0.7, 0.5, 0.6, 0.8, 0.9) for a in (16.0, 8.0, 12.0, 24.0, 32.0, 48.0)]
     return max(rules, key=lambda rule: (outcomes(probabilities, rule) == truth).mean())
+
+
+def quality(probabilities: np.ndarray, truth: np.ndarray, masks: np.ndarray, rule: Rule) -> tuple[float, float]:
+    """Accuracy of the outcomes, and mean intersection over union where something moved, both in [0, 1]; NaN where nothing did.
+
+    Parameters
+    ----------
+    probabilities : float (n, 2, h, w)
+    truth : int (n,)
+        Places in OUTCOMES.
+    masks : bool (n, 2, h, w)
+    rule : Rule
+    """
+    moved = truth == MOVED
+    iou = intersection_over_union(probabilities[moved], masks[moved])
+    return float((outcomes(probabilities, rule) == truth).mean()), float(np.nanmean(np.nanmean(iou, axis=1)))

@@ -18,9 +18,10 @@ from torchvision.ops import roi_align
 from .decision import MASK
 
 SIDE = 48
-"""Pixels of a close-up, in height and width."""
+"""Pixels of a close-up, in height and width; chosen on development tuples against 32 (docs/differences.md)."""
 ROOM, LEAST = 1.7, 16
-"""A close-up shows so many times the longer side of a place, so that its surroundings are in sight, and so many pixels of the pictures at least."""
+"""A close-up shows so many times the longer side of a place, so that its surroundings are in sight, and so many pixels of the pictures at least;
+chosen, not tuned."""
 CHANNELS = 9
 """Of a close-up: red, green and blue of either picture in [-1, 1], the map of either view and the place in [0, 1]; 0 outside of the picture."""
 EMPTY = 0.5

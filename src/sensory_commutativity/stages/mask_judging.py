@@ -13,7 +13,7 @@ import torch
 from ..checkpoints import Checkpoint
 from ..config import Config, ModelName
 from ..masks.cycle import to_the_end
-from ..masks.decision import Rule, tune
+from ..masks.decision import Rule, quality, tune
 from ..masks.from_config import recipe_of_judge, settings_of_judging, training_seed
 from ..masks.judge import PlaceJudge, judged
 from ..masks.judging import JudgeTrainer
@@ -22,7 +22,6 @@ from ..masks.store import Pairs, read_pairs
 from ..provenance import package_versions, provenance
 from ..runs.checksums import sha256
 from .mask_places import read_places
-from .mask_training import quality
 
 
 def write_judged(config: Config, model: ModelName, predictor: Path, places: Sequence[Path], validation: Sequence[Path], out: Path) -> None:
@@ -69,7 +68,7 @@ def given_a_judge(predictor: MaskPredictor, judge: PlaceJudge, found: np.ndarray
         What it now says of them.
     """
     mended = judged(judge, found, held_out.pictures)  # where nothing is in doubt there is no place, and nothing changes
-    alone, both = (quality(maps, held_out, Rule())[1] for maps in (found, mended))
+    alone, both = (quality(maps, held_out.outcome, held_out.masks, Rule())[1] for maps in (found, mended))
     worse = both < alone
     says = f"{predictor.name}: validation: mean IoU {alone:.3f} alone, {both:.3f} with its judge"
     print(says + (", which is left out; show it more places (masks.judge.visits)" if worse else ""), file=sys.stderr)
@@ -82,6 +81,6 @@ def given_a_judge(predictor: MaskPredictor, judge: PlaceJudge, found: np.ndarray
 def _save_tuned(predictor: MaskPredictor, found: np.ndarray, held_out: Pairs, path: Path, config: Config) -> None:
     """Choose the decision rule on pairs that are neither trained on nor tested on, of which `found` is said; say how good it is on them, and save."""
     predictor.rule = tune(found, held_out.outcome)
-    accuracy, iou = quality(found, held_out, predictor.rule)
+    accuracy, iou = quality(found, held_out.outcome, held_out.masks, predictor.rule)
     print(f"{predictor.name}: validation: accuracy {accuracy:.3f}, mean IoU {iou:.3f}", file=sys.stderr)
     predictor.save(path, provenance(config))

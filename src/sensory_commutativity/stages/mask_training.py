@@ -16,9 +16,8 @@ from ..checkpoints import Checkpoint
 from ..config import Config, ModelName
 from ..errors import TableError
 from ..masks.cycle import Row, learning_rate, to_the_end
-from ..masks.decision import Rule, intersection_over_union, outcomes
+from ..masks.decision import Rule, quality
 from ..masks.from_config import recipe_of, settings_of_training, training_seed
-from ..masks.outcome import MOVED
 from ..masks.predictor import MaskPredictor, best_device
 from ..masks.store import Pairs, read_pairs
 from ..masks.training import Trainer
@@ -66,7 +65,7 @@ def _row(trainer: Trainer, rows: list[Row], held_out: Pairs) -> Row:
     """How far training has got, on pairs that it does not show, at first sight."""
     before = rows[-1]["step"] if rows else 0
     found = MaskPredictor(trainer.name, trainer.model, device=trainer.device).probabilities(held_out.pictures, again=False)
-    accuracy, iou = quality(found, held_out, Rule())
+    accuracy, iou = quality(found, held_out.outcome, held_out.masks, Rule())
     return dict(
         step=trainer.step,
         visits=trainer.step * trainer.recipe.batch_size,
@@ -75,10 +74,3 @@ def _row(trainer: Trainer, rows: list[Row], held_out: Pairs) -> Row:
         accuracy=accuracy,
         iou=iou,
     )
-
-
-def quality(found: np.ndarray, held_out: Pairs, rule: Rule) -> tuple[float, float]:
-    """Accuracy, and mean overlap where something moved, of maps float (n, 2, h, w) of pairs."""
-    moved = held_out.outcome == MOVED
-    iou = intersection_over_union(found[moved], held_out.masks[moved])
-    return float((outcomes(found, rule) == held_out.outcome).mean()), float(np.nanmean(np.nanmean(iou, axis=1)))
