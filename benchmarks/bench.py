@@ -18,9 +18,9 @@ from itertools import count
 
 import numpy as np
 
-from sensory_commutativity.config import load
 from sensory_commutativity.seeding import generator
-from sensory_commutativity.stages.flatland_experiments import run_experiments
+from sensory_commutativity.studies.flatland.tables.flatland_experiments import run_experiments
+from sensory_commutativity.studies.loading import load
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
 from sensory_commutativity.worlds.flatland.room import Room
 from sensory_commutativity.worlds.flatland.vector import FlatlandVectorEnv
@@ -104,16 +104,21 @@ def _apartment():
     """Fetch in the stand-in for Rs, the features, and a counter of start situations."""
     import torch
 
-    from sensory_commutativity.worlds.apartment.from_config import perceptual_features, world_of_run
+    from sensory_commutativity.studies.apartment.builders import perceptual_features, world_of_run
 
     torch.set_num_threads(1)
     config = load("config/default.yaml")
-    return config, world_of_run(config, config.apartment.runs()[0]), perceptual_features(config), count()
+    return (
+        config,
+        world_of_run(config, config.apartment.runs()[0]),
+        perceptual_features(config),
+        count(),
+    )
 
 
 def camera_frames() -> float:
     """Pictures of 128 x 128 pixels with 2 x 2 samples and object ids per second, from random start situations of Fetch in the stand-in for Rs."""
-    from sensory_commutativity.worlds.apartment.camera import Camera
+    from sensory_commutativity.worlds.apartment.rendering.camera import Camera
 
     _, world, _, _ = _apartment()
     camera, rng, elapsed = Camera(128, 128, 90.0, 2), generator(1, "bench"), 0.0
@@ -129,7 +134,9 @@ def camera_frames() -> float:
 
 def apartment_experiments() -> float:
     """SC-experiments of Fetch in the stand-in for Rs per second, all degrees of freedom; starts, both fields of view and features included."""
-    from sensory_commutativity.stages.apartment_experiments import run_experiments as run_apartment
+    from sensory_commutativity.studies.apartment.tables.apartment_experiments import (
+        run_experiments as run_apartment,
+    )
 
     config, world, features, numbers = _apartment()
     start = 2 * next(numbers)
@@ -151,13 +158,19 @@ MEASURES: tuple[tuple[str, Callable[[], float], float | None], ...] = (
 
 
 def main() -> None:
-    print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}; one core used, {REPEATS} repeats\n")
+    print(
+        f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}; one core used, {REPEATS} repeats\n"
+    )
     print(f"{'measure':58s} {'min':>9s} {'median':>9s} {'max':>9s} {'at least':>9s}")
     for name, measure, wanted in MEASURES:
         measure()  # warm-up: compile, fill caches
         values = sorted(measure() for _ in range(REPEATS))
         shown = [values[0], statistics.median(values), values[-1], *([wanted] if wanted else [])]
-        print(f"{name:58s} " + " ".join(f"{value:9,.0f}" if value >= 100 else f"{value:9.2f}" for value in shown), flush=True)
+        print(
+            f"{name:58s} "
+            + " ".join(f"{value:9,.0f}" if value >= 100 else f"{value:9.2f}" for value in shown),
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -18,17 +18,19 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sensory_commutativity.config import load
-from sensory_commutativity.experiment import ending, orders_per_dof
+from sensory_commutativity.scp.experiment import ending, orders_per_dof
 from sensory_commutativity.seeding import generator, seed_for
-from sensory_commutativity.worlds.apartment.from_config import world_of_run
+from sensory_commutativity.studies.apartment.builders import world_of_run
+from sensory_commutativity.studies.loading import load
 from sensory_commutativity.worlds.apartment.world import ApartmentWorld
 
 GROWTH = 1.05
 """Memory at the end may be so many times that after a tenth of the experiments; chosen: what is not flat grows by more."""
 
 
-def ends(world: ApartmentWorld, i: int, length: int, plays: int) -> Iterator[tuple[str, int, list[bytes]]]:
+def ends(
+    world: ApartmentWorld, i: int, length: int, plays: int
+) -> Iterator[tuple[str, int, list[bytes]]]:
     """Of start situation `i`: degree of freedom, which order, and what each play of it ended in, as hashes."""
     seed = seed_for(1, "replay", i)
     world.reset(generator(seed, "situation"))
@@ -54,11 +56,20 @@ def resident() -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--experiments", type=int, default=1_000, help="at least so many, of all degrees of freedom together")
+    parser.add_argument(
+        "--experiments",
+        type=int,
+        default=1_000,
+        help="at least so many, of all degrees of freedom together",
+    )
     parser.add_argument("--robot", default="fetch", help="a key of apartment.robots")
     arguments = parser.parse_args()
     config = load("config/default.yaml")
-    run = next(run for run in config.apartment.runs() if run.robot == arguments.robot and run.start == "anywhere")
+    run = next(
+        run
+        for run in config.apartment.runs()
+        if run.robot == arguments.robot and run.start == "anywhere"
+    )
     world, again = world_of_run(config, run), world_of_run(config, run)
     starts = -(-arguments.experiments // len(world.dofs))
     found, unequal, memory = {}, 0, []
@@ -67,9 +78,17 @@ def main() -> None:
             found[i, dof, k] = one
             unequal += one != other
         memory.append(resident())
-    print(f"{run.robot} in {run.scene}: {starts * len(world.dofs)} experiments, {unequal} of {len(found)} orders ended differently when played again")
-    print(f"memory after {starts // 10 + 1} start situations {memory[starts // 10]:.0f} MB, at the end {memory[-1]:.0f} MB")
-    differs = sum(found[i, dof, k] != end for i in reversed(range(starts)) for dof, k, (end,) in ends(again, i, run.length, 1))
+    print(
+        f"{run.robot} in {run.scene}: {starts * len(world.dofs)} experiments, {unequal} of {len(found)} orders ended differently when played again"
+    )
+    print(
+        f"memory after {starts // 10 + 1} start situations {memory[starts // 10]:.0f} MB, at the end {memory[-1]:.0f} MB"
+    )
+    differs = sum(
+        found[i, dof, k] != end
+        for i in reversed(range(starts))
+        for dof, k, (end,) in ends(again, i, run.length, 1)
+    )
     print(f"in another world, the other way round: {differs} ended differently")
     grew = memory[-1] > GROWTH * memory[starts // 10]
     raise SystemExit(bool(unequal or differs or grew))

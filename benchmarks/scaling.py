@@ -62,10 +62,17 @@ def workflow(folder: Path) -> Path:
 
 def snakemake(folder: Path, *arguments: str, first: Path = BIN) -> float:
     """Run it; return the seconds that it took."""
-    environment = {**os.environ, "PATH": f"{first}{os.pathsep}{BIN}{os.pathsep}{os.environ['PATH']}"}
+    environment = {
+        **os.environ,
+        "PATH": f"{first}{os.pathsep}{BIN}{os.pathsep}{os.environ['PATH']}",
+    }
     begin = time.perf_counter()
     run = subprocess.run(
-        [str(BIN / "snakemake"), "--quiet", "progress", "rules", *arguments], cwd=folder, env=environment, capture_output=True, text=True
+        [str(BIN / "snakemake"), "--quiet", "progress", "rules", *arguments],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
     )
     if run.returncode:
         sys.exit(run.stderr[-3000:])
@@ -91,7 +98,11 @@ def scaling(stage: str) -> None:
             files = [f"results/scaling/data/{kind}/{name.format(i + 1)}" for i in range(n)]
             given = ["--configfile", "config/default.yaml", "overlay.yaml", "--cores", str(cores)]
             if kind == "apartment_experiments":  # what is made once is no part of the stage
-                snakemake(folder, *given, "results/scaling/data/apartment_ready/fetch.rs-stand-in.anywhere.json")
+                snakemake(
+                    folder,
+                    *given,
+                    "results/scaling/data/apartment_ready/fetch.rs-stand-in.anywhere.json",
+                )
             took[cores] = snakemake(folder, *given, *files)
             inner = seconds_of_jobs(folder / "results" / "scaling" / "benchmarks" / f"{kind}_part")
             print(f"{stage}: {n} jobs on {cores} core{'s' * (cores > 1)}: {took[cores]:6.1f} s; the jobs' own {inner:6.1f} s, "
@@ -106,20 +117,38 @@ def overhead(benchmarks: Path) -> None:
         stand_in.parent.mkdir()
         stand_in.write_text(STAND_IN.format(python=sys.executable))
         stand_in.chmod(stand_in.stat().st_mode | stat.S_IXUSR)
-        took = snakemake(folder, "--configfile", "config/paper.yaml", "--cores", "2", first=stand_in.parent)
+        took = snakemake(
+            folder, "--configfile", "config/paper.yaml", "--cores", "2", first=stand_in.parent
+        )
         n = sum(1 for path in (folder / "results" / "paper").rglob("*") if path.is_file())
-    print(f"the workflow itself, at the paper's sizes, on 2 cores: {took:.0f} s for {n:,} files", flush=True)
+    print(
+        f"the workflow itself, at the paper's sizes, on 2 cores: {took:.0f} s for {n:,} files",
+        flush=True,
+    )
     own = seconds_of_jobs(benchmarks)
     if own:
-        print(f"the jobs themselves: {own / 3600:.1f} core hours, {own / 7200:.1f} h on 2 cores; overhead {took / (took + own / 2):.1%}")
+        print(
+            f"the jobs themselves: {own / 3600:.1f} core hours, {own / 7200:.1f} h on 2 cores; overhead {took / (took + own / 2):.1%}"
+        )
     else:
-        print(f"no benchmark files in {benchmarks}, so there is nothing to hold that against; run `make paper`, or give --benchmarks")
+        print(
+            f"no benchmark files in {benchmarks}, so there is nothing to hold that against; run `make paper`, or give --benchmarks"
+        )
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="*", default=[*STAGES, "overhead"], help="2-D, 3-D, overhead; all by default")
-    parser.add_argument("--benchmarks", type=Path, default=ROOT / "results" / "paper" / "benchmarks", help="benchmark files of a run")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "what", nargs="*", default=[*STAGES, "overhead"], help="2-D, 3-D, overhead; all by default"
+    )
+    parser.add_argument(
+        "--benchmarks",
+        type=Path,
+        default=ROOT / "results" / "paper" / "benchmarks",
+        help="benchmark files of a run",
+    )
     given = parser.parse_args()
     for what in given.what:
         if what == "overhead":

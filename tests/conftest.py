@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # as every job of the workflow; read when torch is imported
+os.environ.setdefault(
+    "OMP_NUM_THREADS", "1"
+)  # as every job of the workflow; read when torch is imported
 
 import pytest
 import yaml
 from hypothesis import settings
+from sensory_commutativity.helpers import DEFAULT, changed
 
-from sensory_commutativity.config import Config, load, validate
-
-from .helpers import DEFAULT, changed
+from sensory_commutativity.studies.config import Config
+from sensory_commutativity.studies.loading import load, validate
 
 settings.register_profile("repeatable", max_examples=50, deadline=None, derandomize=True)
 settings.load_profile("repeatable")

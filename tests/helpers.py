@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from sensory_commutativity.config import Config, load
+from sensory_commutativity.studies.config import Config
+from sensory_commutativity.studies.flatland.builders import flatland_world
+from sensory_commutativity.studies.loading import load
 from sensory_commutativity.worlds.corridor import Corridor
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
-from sensory_commutativity.worlds.flatland.from_config import flatland_world
 from sensory_commutativity.worlds.flatland.room import FIXED, MAX_CORNERS, Room, Situation
 from sensory_commutativity.worlds.flatland.world import FlatlandWorld
 
@@ -23,7 +24,9 @@ FREE_SPACE = Room(things=0, walls=False)
 EMPTY = Room(things=0)
 
 _flatland = load(DEFAULT).flatland
-_runs = [(run.world, run.agent) for run in _flatland.runs()] + [(world, _flatland.reference.agent) for world in _flatland.commutation_worlds()]
+_runs = [(run.world, run.agent) for run in _flatland.runs()] + [
+    (world, _flatland.reference.agent) for world in _flatland.commutation_worlds()
+]
 FLATLAND_PAIRS = list(dict.fromkeys(_runs))
 """Every (world, agent) that config/default.yaml uses."""
 
@@ -34,7 +37,10 @@ WORLDS = {
     "corridor-wall": lambda: Corridor(wall=4),
     "corridor-box": lambda: Corridor(box=2),
     "corridor-box-wall": lambda: Corridor(wall=5, box=2),
-    **{f"{world}/{agent}": lambda world=world, agent=agent: flatland_world(_flatland, world, agent) for world, agent in FLATLAND_PAIRS},
+    **{
+        f"{world}/{agent}": lambda world=world, agent=agent: flatland_world(_flatland, world, agent)
+        for world, agent in FLATLAND_PAIRS
+    },
 }
 """Name -> factory of every world and agent."""
 
@@ -78,7 +84,9 @@ def standing(agent: Polyphemus, x: float, y: float, heading: float, things=()) -
     )
 
 
-def enter(room: Room, x: float, y: float, heading: float, things=(), agent: Polyphemus | None = None) -> FlatlandWorld:
+def enter(
+    room: Room, x: float, y: float, heading: float, things=(), agent: Polyphemus | None = None
+) -> FlatlandWorld:
     """A world in that situation."""
     agent = agent or Polyphemus()
     world = FlatlandWorld(replace(room, things=len(things)), agent)
@@ -90,7 +98,9 @@ def linkage(agent: Polyphemus, x: float, y: float, heading: float, joints) -> np
     """Forward kinematics, written anew: (x, y, angle) of base, left upper arm and forearm, right upper arm and forearm."""
     poses = [(x, y, heading)]
     for side, angles in ((1, joints[:2]), (-1, joints[2:])):
-        at = np.array([x, y]) + side * agent.base_radius * np.array([-math.sin(heading), math.cos(heading)])
+        at = np.array([x, y]) + side * agent.base_radius * np.array(
+            [-math.sin(heading), math.cos(heading)]
+        )
         direction = heading
         for angle in angles:
             direction = direction + angle
@@ -102,6 +112,6 @@ def linkage(agent: Polyphemus, x: float, y: float, heading: float, joints) -> np
 
 def changed(config: Config, **flatland) -> Config:
     """`config` with some values of its section flatland replaced, checked again."""
-    from sensory_commutativity.config import merge, validate
+    from sensory_commutativity.studies.loading import merge, validate
 
     return validate(merge(config.model_dump(mode="json"), {"flatland": flatland}))

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numba
 
-from .folders import cache_folder
+from .storage.folders import cache_folder
 
 
 def _cache_folder() -> Path:

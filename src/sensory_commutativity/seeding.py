@@ -18,7 +18,10 @@ def _words(key: tuple[Key, ...]) -> tuple[int, ...]:
     words: list[int] = []
     for part in key:
         if isinstance(part, str):
-            words += [1, *np.frombuffer(hashlib.sha256(part.encode()).digest()[:16], "<u4").tolist()]
+            words += [
+                1,
+                *np.frombuffer(hashlib.sha256(part.encode()).digest()[:16], "<u4").tolist(),
+            ]
         elif 0 <= part < 2**64:
             words += [0, part & 0xFFFFFFFF, part >> 32]
         else:

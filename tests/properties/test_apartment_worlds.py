@@ -4,23 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sensory_commutativity.helpers import DEFAULT, full_speed
 
-from sensory_commutativity.config import load
-from sensory_commutativity.sequences import compose, no_op
-from sensory_commutativity.worlds.apartment.camera import Camera
-from sensory_commutativity.worlds.apartment.from_config import scene_of
-from sensory_commutativity.worlds.apartment.robot import load_robot
+from sensory_commutativity.scp.sequences import compose, no_op
+from sensory_commutativity.scp.world import World, play
+from sensory_commutativity.studies.apartment.builders import scene_of
+from sensory_commutativity.studies.loading import load
+from sensory_commutativity.worlds.apartment.rendering.camera import Camera
+from sensory_commutativity.worlds.apartment.robots.robot import load_robot
 from sensory_commutativity.worlds.apartment.world import ApartmentWorld
-from sensory_commutativity.worlds.base import World, play
-
-from ..helpers import DEFAULT, full_speed
 
 SETTINGS = load(DEFAULT).apartment
-PAIRS = [(robot, scene) for robot in SETTINGS.robots for scene in ("free-space", SETTINGS.reference.scene)]
+PAIRS = [
+    (robot, scene)
+    for robot in SETTINGS.robots
+    for scene in ("free-space", SETTINGS.reference.scene)
+]
 
 
 def built(robot: str, scene: str) -> ApartmentWorld:
-    return ApartmentWorld(scene_of(SETTINGS, scene), load_robot(SETTINGS.robots[robot].description), (Camera(32, 32, 90.0, 1),))
+    return ApartmentWorld(
+        scene_of(SETTINGS, scene),
+        load_robot(SETTINGS.robots[robot].description),
+        (Camera(32, 32, 90.0, 1),),
+    )
 
 
 @pytest.fixture(scope="module", params=PAIRS, ids="/".join)
@@ -43,7 +50,11 @@ def commands(world: World, seed: int, steps: int = 30) -> np.ndarray:
 
 
 def state(world: ApartmentWorld) -> list[np.ndarray]:
-    return [world.simulation.poses(), world.observe(), *(np.asarray(value) for value in world.happened())]
+    return [
+        world.simulation.poses(),
+        world.observe(),
+        *(np.asarray(value) for value in world.happened()),
+    ]
 
 
 def same(a: list[np.ndarray], b: list[np.ndarray]) -> bool:
@@ -112,9 +123,13 @@ def test_each_dof_moves_what_its_name_says_and_free_space_commutes(name):
         if set(robot.description.dofs[k].joints) & set(robot.wheels):
             assert not moved.any() and np.abs(world.simulation.base() - base).max() > 0.01
         else:
-            assert [joint.name for joint, m in zip(robot.joints, moved, strict=True) if m] == robot.description.dofs[k].joints
+            assert [
+                joint.name for joint, m in zip(robot.joints, moved, strict=True) if m
+            ] == robot.description.dofs[k].joints
             driven = int(np.nonzero(moved)[0][0])
-            assert world.simulation.joints()[driven] - joints[driven] == pytest.approx(2 * dof.speed, rel=5e-3)
+            assert world.simulation.joints()[driven] - joints[driven] == pytest.approx(
+                2 * dof.speed, rel=5e-3
+            )
         ends = []
         for order in (compose(there, back), compose(back, there)):
             world.restore(start)

@@ -18,13 +18,24 @@ def both(starts: np.ndarray, seed: int):
     torch.manual_seed(seed)
     n, steps = starts.shape
     lstm = torch.nn.LSTM(INPUTS, HIDDEN).double()
-    weights, features = torch.randn(n * steps, HIDDEN).double(), torch.randn(n * steps, INPUTS).double()
+    weights, features = (
+        torch.randn(n * steps, HIDDEN).double(),
+        torch.randn(n * steps, INPUTS).double(),
+    )
     states = tuple(torch.randn(1, n, HIDDEN).double() for _ in range(2))
     found = []
     for policy in (RoomPolicy, RecurrentActorCriticPolicy):
         x, h, c = (part.clone().requires_grad_() for part in (features, *states))
-        output, after = policy._process_sequence(x, (h, c), torch.tensor(starts.reshape(-1), dtype=torch.float64), lstm)
-        found.append((output, after, torch.autograd.grad((output * weights).sum(), [x, h, c, *lstm.parameters()])))
+        output, after = policy._process_sequence(
+            x, (h, c), torch.tensor(starts.reshape(-1), dtype=torch.float64), lstm
+        )
+        found.append(
+            (
+                output,
+                after,
+                torch.autograd.grad((output * weights).sum(), [x, h, c, *lstm.parameters()]),
+            )
+        )
     return found
 
 
@@ -42,7 +53,9 @@ def agree(starts: np.ndarray, seed: int = 0) -> None:
 @st.composite
 def rollouts(draw) -> np.ndarray:
     n, steps = draw(st.integers(1, 5)), draw(st.integers(1, 17))
-    return np.array(draw(st.lists(st.booleans(), min_size=n * steps, max_size=n * steps))).reshape(n, steps)
+    return np.array(draw(st.lists(st.booleans(), min_size=n * steps, max_size=n * steps))).reshape(
+        n, steps
+    )
 
 
 @given(rollouts(), st.integers(0, 100))
@@ -78,8 +91,13 @@ def test_rooms_do_not_see_each_other(starts):
     torch.manual_seed(0)
     n, steps = starts.shape
     lstm = torch.nn.LSTM(INPUTS, HIDDEN).double()
-    features, states = torch.randn(n * steps, INPUTS).double(), tuple(torch.randn(1, n, HIDDEN).double() for _ in range(2))
+    features, states = (
+        torch.randn(n * steps, INPUTS).double(),
+        tuple(torch.randn(1, n, HIDDEN).double() for _ in range(2)),
+    )
     begins = torch.tensor(starts.reshape(-1), dtype=torch.float64)
     together, _ = RoomPolicy._process_sequence(features, states, begins, lstm)
-    alone, _ = RoomPolicy._process_sequence(features[:steps], tuple(state[:, :1] for state in states), begins[:steps], lstm)
+    alone, _ = RoomPolicy._process_sequence(
+        features[:steps], tuple(state[:, :1] for state in states), begins[:steps], lstm
+    )
     assert torch.allclose(together[:steps], alone, rtol=0, atol=1e-12)

@@ -9,15 +9,24 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
+from sensory_commutativity.helpers import DOFS, EMPTY, FREE_SPACE, drive, enter, started
 
-from sensory_commutativity.residues import commutative_residue, commute, equivalent, is_commutative_residue
-from sensory_commutativity.sequences import compose, inverse, no_op, sample_sequence
+from sensory_commutativity.scp.equivalence import (
+    commutative_residue,
+    commute,
+    equivalent,
+    is_commutative_residue,
+)
+from sensory_commutativity.scp.sequences import compose, inverse, no_op, sample_sequence
 from sensory_commutativity.worlds.corridor import Corridor
 from sensory_commutativity.worlds.flatland.world import FlatlandWorld
 
-from ..helpers import DOFS, EMPTY, FREE_SPACE, drive, enter, started
-
-CORRIDORS = {"free": Corridor(), "wall": Corridor(wall=1), "box": Corridor(box=1), "box and wall": Corridor(wall=3, box=1)}
+CORRIDORS = {
+    "free": Corridor(),
+    "wall": Corridor(wall=1),
+    "box": Corridor(box=1),
+    "box and wall": Corridor(wall=3, box=1),
+}
 every_corridor = pytest.mark.parametrize("corridor", CORRIDORS.values(), ids=list(CORRIDORS))
 corridors = st.sampled_from(list(CORRIDORS.values()))
 
@@ -25,7 +34,9 @@ corridors = st.sampled_from(list(CORRIDORS.values()))
 def corridor_sequences(eyelid=(0.0, -0.5, 0.5), longest: int = 5):
     """Sequences of moves and eyelid commands whose sums are exact, so that equality is no matter of rounding."""
     action = st.tuples(st.sampled_from([-1.0, 0.0, 1.0]), st.sampled_from(eyelid))
-    return st.lists(action, max_size=longest).map(lambda actions: np.array(actions, float).reshape(-1, 2))
+    return st.lists(action, max_size=longest).map(
+        lambda actions: np.array(actions, float).reshape(-1, 2)
+    )
 
 
 def moves(*directions: int) -> np.ndarray:
@@ -34,7 +45,11 @@ def moves(*directions: int) -> np.ndarray:
 
 def all_moves(longest: int) -> list[np.ndarray]:
     """Every sequence of steps left and right, the shortest first."""
-    return [moves(*directions) for length in range(longest + 1) for directions in product((-1, 1), repeat=length)]
+    return [
+        moves(*directions)
+        for length in range(longest + 1)
+        for directions in product((-1, 1), repeat=length)
+    ]
 
 
 LEFT, RIGHT = moves(-1), moves(1)
@@ -56,8 +71,12 @@ def test_equivalence_over_all_short_sequences(corridor):
     related = np.array([[equivalent(*where, h, g) for g in sequences] for h in sequences])
     assert related.diagonal().all()
     assert np.array_equal(related, related.T)
-    assert np.array_equal(related @ related, related)  # two steps of the relation lead nowhere that one does not
-    assert len(sequences) < related.sum() < related.size  # it tells some sequences apart and not all
+    assert np.array_equal(
+        related @ related, related
+    )  # two steps of the relation lead nowhere that one does not
+    assert (
+        len(sequences) < related.sum() < related.size
+    )  # it tells some sequences apart and not all
 
 
 @given(corridors, corridor_sequences())
@@ -159,7 +178,9 @@ def test_a_box_leaves_a_residue():
     assert np.array_equal(residue, moves(1, -1))
     assert is_commutative_residue(*where, moves(1, -1), RIGHT, LEFT)
     assert not is_commutative_residue(*where, moves(-1, 1), RIGHT, LEFT)
-    assert commutative_residue(*where, LEFT, RIGHT, all_moves(5)) is None  # that would need the box to come back
+    assert (
+        commutative_residue(*where, LEFT, RIGHT, all_moves(5)) is None
+    )  # that would need the box to come back
 
 
 @given(corridors, corridor_sequences(longest=3), corridor_sequences(longest=3))
@@ -195,14 +216,21 @@ def test_keywords_are_passed_on():
     apart = {"distance": lambda a, b: abs(a[0] - b[0])}  # places apart: 1
     assert not commute(*where, moves(1, 1), LEFT, threshold=0.9, **apart)
     assert commute(*where, moves(1, 1), LEFT, threshold=1.0, **apart)
-    assert len(commutative_residue(*where, moves(1, 1), LEFT, all_moves(3), threshold=1.0, **apart)) == 0
+    assert (
+        len(commutative_residue(*where, moves(1, 1), LEFT, all_moves(3), threshold=1.0, **apart))
+        == 0
+    )
     assert is_commutative_residue(*where, no_op(0, 2), moves(1, 1), LEFT, threshold=1.0, **apart)
 
 
 # ---- Philipona's conjecture ------------------------------------------------------------------------------------------------
 
 
-@given(corridors, st.lists(st.sampled_from([-1.0, 1.0]), max_size=6), st.lists(st.sampled_from([-1.0, -0.5, 0.5, 1.0]), max_size=6))
+@given(
+    corridors,
+    st.lists(st.sampled_from([-1.0, 1.0]), max_size=6),
+    st.lists(st.sampled_from([-1.0, -0.5, 0.5, 1.0]), max_size=6),
+)
 def test_the_eyelid_commutes_with_moves(corridor, places, lids):
     h = np.array([(place, 0.0) for place in places]).reshape(-1, 2)
     g = np.array([(0.0, lid) for lid in lids]).reshape(-1, 2)
@@ -232,13 +260,21 @@ def one_at_a_time(seed: int, length: int = 12) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_flatland_equivalence_in_free_space(seed):
-    where, h, g = from_start(FlatlandWorld(FREE_SPACE)), one_at_a_time(seed), one_at_a_time(seed + 100)
+    where, h, g = (
+        from_start(FlatlandWorld(FREE_SPACE)),
+        one_at_a_time(seed),
+        one_at_a_time(seed + 100),
+    )
     assert equivalent(*where, h, h)
     assert equivalent(*where, compose(no_op(3, 8), h), h)
     assert equivalent(*where, compose(h, no_op(3, 8)), h)
     assert equivalent(*where, compose(h, inverse(h)), no_op(1, 8))
     assert equivalent(*where, compose(compose(h, g), h), compose(h, compose(g, h)))
-    assert not equivalent(*where, compose(h, drive("left-shoulder", 1.0, 3)), compose(h, drive("left-shoulder", -1.0, 3)))
+    assert not equivalent(
+        *where,
+        compose(h, drive("left-shoulder", 1.0, 3)),
+        compose(h, drive("left-shoulder", -1.0, 3)),
+    )
 
 
 @pytest.mark.parametrize("dof", DOFS)
@@ -274,7 +310,12 @@ def test_flatland_s_wall_leaves_a_residue():
     residue = commutative_residue(*where, back, ahead, candidates)
     assert residue is not None
     assert abs(8 * len(residue) - 138) < 48  # 64 pixels: places a few steps apart look alike
-    assert commutative_residue(*where, back, ahead, [drive("base-longitudinal", -1.0, steps) for steps in range(10)]) is None
+    assert (
+        commutative_residue(
+            *where, back, ahead, [drive("base-longitudinal", -1.0, steps) for steps in range(10)]
+        )
+        is None
+    )
 
 
 def test_flatland_s_movable_thing_does_not_commute():
@@ -285,4 +326,6 @@ def test_flatland_s_movable_thing_does_not_commute():
     ahead, back = drive("base-longitudinal", 1.0, 20), drive("base-longitudinal", -1.0, 20)
     assert not commute(*where, ahead, back)
     assert commutative_residue(*where, ahead, back, [no_op(0, 8), ahead, back]) is None
-    assert commute(*where, drive("base-longitudinal", 1.0, 12), drive("base-longitudinal", -1.0, 12))  # 33 units short of the box
+    assert commute(
+        *where, drive("base-longitudinal", 1.0, 12), drive("base-longitudinal", -1.0, 12)
+    )  # 33 units short of the box

@@ -10,18 +10,36 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from sensory_commutativity.helpers import (
+    DOFS,
+    EMPTY,
+    FLATLAND_PAIRS,
+    FREE_SPACE,
+    WALLED_PAIRS,
+    WORLDS,
+    drive,
+    enter,
+    flatland,
+    full_speed,
+    linkage,
+    started,
+)
 
-from sensory_commutativity.distances import mean_squared_error
-from sensory_commutativity.experiment import REST_STEPS, commutation_experiment, compare_orders, final_observation, sc_experiment
-from sensory_commutativity.sequences import compose, no_op, permute, sample_sequence
-from sensory_commutativity.worlds.base import World, play
+from sensory_commutativity.scp.distances import mean_squared_error
+from sensory_commutativity.scp.experiment import (
+    REST_STEPS,
+    commutation_experiment,
+    compare_orders,
+    final_observation,
+    sc_experiment,
+)
+from sensory_commutativity.scp.sequences import compose, no_op, permute, sample_sequence
+from sensory_commutativity.scp.world import World, play
 from sensory_commutativity.worlds.corridor import Corridor
 from sensory_commutativity.worlds.flatland.agent import N_LINKS
 from sensory_commutativity.worlds.flatland.control import EYELID, HEAD
 from sensory_commutativity.worlds.flatland.room import MOVABLE
 from sensory_commutativity.worlds.flatland.world import FlatlandWorld
-
-from ..helpers import DOFS, EMPTY, FLATLAND_PAIRS, FREE_SPACE, WALLED_PAIRS, WORLDS, drive, enter, flatland, full_speed, linkage, started
 
 every_world = pytest.mark.parametrize("name", WORLDS)
 every_pair = pytest.mark.parametrize("pair", FLATLAND_PAIRS, ids="/".join)
@@ -133,7 +151,9 @@ def test_a_snapshot_in_the_middle_of_a_run_is_exact(name):
         started(world, seed)
         things_before = movable_things(world)
         play(world, charge(world, seed))
-        displaced += len(things_before) > 0 and not np.array_equal(things_before, movable_things(world))
+        displaced += len(things_before) > 0 and not np.array_equal(
+            things_before, movable_things(world)
+        )
         middle, actions = world.snapshot(), commands(world, seed + 100)
         here = state(world)
         original = trajectory(world, actions)  # the original goes on
@@ -199,7 +219,13 @@ def test_replay_in_another_process_is_bit_identical():
     snapshot, actions = world.snapshot(), commands(world, 6, 100)
     seen = trajectory(world, actions)
     message = pickle.dumps((pair, snapshot, actions))
-    run = subprocess.run([sys.executable, "-c", IN_ANOTHER_PROCESS], input=message, capture_output=True, check=True, timeout=120)
+    run = subprocess.run(
+        [sys.executable, "-c", IN_ANOTHER_PROCESS],
+        input=message,
+        capture_output=True,
+        check=True,
+        timeout=120,
+    )
     seen_there, poses_there = pickle.loads(run.stdout)
     assert np.array_equal(seen, seen_there)
     assert np.array_equal(world.poses(), poses_there)
@@ -288,7 +314,11 @@ def test_no_element_of_the_observation_is_constant(name):
         seen.append(world.observe())
     constant = np.ptp(np.array(seen).astype(float), axis=0) == 0
     if isinstance(world, Corridor) and "box" not in name:
-        assert constant.tolist() == [False, True, False]  # the place of the box, where there is none
+        assert constant.tolist() == [
+            False,
+            True,
+            False,
+        ]  # the place of the box, where there is none
     else:
         assert not constant.any()
 
@@ -351,7 +381,11 @@ def test_an_action_that_is_no_number_is_refused(method, value):
 @pytest.mark.parametrize("use", ["step", "play", "watch", "observe", "snapshot"])
 def test_a_world_without_a_situation_says_what_to_do(use):
     world = FlatlandWorld()
-    arguments = {"step": [np.zeros(8)], "play": [np.zeros((2, 8))], "watch": [np.zeros((2, 8))]}.get(use, [])
+    arguments = {
+        "step": [np.zeros(8)],
+        "play": [np.zeros((2, 8))],
+        "watch": [np.zeros((2, 8))],
+    }.get(use, [])
     with pytest.raises(RuntimeError, match="reset"):
         getattr(world, use)(*arguments)
 
@@ -371,7 +405,9 @@ class Moved(NamedTuple):
 
 def alone(agent: str) -> FlatlandWorld:
     """The agent of that name in free space."""
-    return FlatlandWorld(FREE_SPACE, flatland(next(pair for pair in FLATLAND_PAIRS if pair[1] == agent)).agent)
+    return FlatlandWorld(
+        FREE_SPACE, flatland(next(pair for pair in FLATLAND_PAIRS if pair[1] == agent)).agent
+    )
 
 
 def move(agent: str, dof: str, value: float) -> Moved:
@@ -390,7 +426,11 @@ def speed(world: FlatlandWorld, dof: str) -> float:
 def test_base_longitudinal_moves_along_the_heading(agent, value):
     moved = move(agent, "base-longitudinal", value)
     heading = moved.before[0, 2]
-    expected = value * speed(moved.world, "base-longitudinal") * np.array([math.cos(heading), math.sin(heading), 0.0])
+    expected = (
+        value
+        * speed(moved.world, "base-longitudinal")
+        * np.array([math.cos(heading), math.sin(heading), 0.0])
+    )
     assert np.allclose(moved.after - moved.before, expected, atol=1e-5)  # the arms come along
     assert np.array_equal(moved.inner_after[[HEAD, EYELID]], moved.inner_before[[HEAD, EYELID]])
 
@@ -400,7 +440,9 @@ def test_base_longitudinal_moves_along_the_heading(agent, value):
 def test_base_rotation_turns_on_the_spot(agent, value):
     moved = move(agent, "base-rotation", value)
     body, (x, y, heading) = moved.world.agent, moved.before[0]
-    expected = linkage(body, x, y, heading + value * speed(moved.world, "base-rotation"), body.rest_angles)
+    expected = linkage(
+        body, x, y, heading + value * speed(moved.world, "base-rotation"), body.rest_angles
+    )
     assert np.allclose(moved.after, expected, atol=1e-3)
     assert np.array_equal(moved.inner_after[[HEAD, EYELID]], moved.inner_before[[HEAD, EYELID]])
 
@@ -438,7 +480,12 @@ def test_a_joint_turns_what_hangs_on_it(agent, joint, value):
     counter_clockwise = 1 if joint.startswith("left") else -1
     angles[JOINTS.index(joint)] += counter_clockwise * value * speed(moved.world, joint)
     assert np.allclose(moved.after, linkage(body, *moved.before[0], angles), atol=1e-3)
-    untouched = {"left-shoulder": [0, 3, 4], "left-elbow": [0, 1, 3, 4], "right-shoulder": [0, 1, 2], "right-elbow": [0, 1, 2, 3]}[joint]
+    untouched = {
+        "left-shoulder": [0, 3, 4],
+        "left-elbow": [0, 1, 3, 4],
+        "right-shoulder": [0, 1, 2],
+        "right-elbow": [0, 1, 2, 3],
+    }[joint]
     assert np.allclose(moved.after[untouched], moved.before[untouched], atol=1e-9)
     assert np.array_equal(moved.inner_after[[HEAD, EYELID]], moved.inner_before[[HEAD, EYELID]])
 
@@ -446,7 +493,9 @@ def test_a_joint_turns_what_hangs_on_it(agent, joint, value):
 @pytest.mark.parametrize("joint", ["shoulder", "elbow"])
 def test_equal_actions_move_the_arms_as_mirror_images(joint):
     world = enter(FREE_SPACE, 300, 400, 0.0)  # looking along x: the mirror is the line y = 400
-    world.play(compose(drive(f"left-{joint}", 0.7, 3) + drive(f"right-{joint}", 0.7, 3), no_op(3, 8)))
+    world.play(
+        compose(drive(f"left-{joint}", 0.7, 3) + drive(f"right-{joint}", 0.7, 3), no_op(3, 8))
+    )
     left, right = world.poses()[1:3], world.poses()[3:5]
     assert np.allclose(left[:, 0], right[:, 0], atol=1e-6)
     assert np.allclose(left[:, 1] - 400, 400 - right[:, 1], atol=1e-6)
@@ -490,8 +539,13 @@ def test_the_identity_permutation_commutes(name):
     n = len(world.dofs)
     for seed in range(3):
         start, rng = started(world, seed).snapshot(), np.random.default_rng(seed)
-        for sequence in [sample_sequence(rng, 50, k, n) for k in range(n)] + [full_speed(rng, 50, n)]:
-            assert mean_squared_error(*compare_orders(world, start, sequence, sequence[np.arange(50)])) == 0
+        for sequence in [sample_sequence(rng, 50, k, n) for k in range(n)] + [
+            full_speed(rng, 50, n)
+        ]:
+            assert (
+                mean_squared_error(*compare_orders(world, start, sequence, sequence[np.arange(50)]))
+                == 0
+            )
 
 
 @pytest.mark.parametrize("dof", DOFS)
@@ -514,7 +568,10 @@ def test_a_free_corridor_commutes(dof):
     k, start = ["move", "eyelid"].index(dof), world.snapshot()
     for seed in range(25):
         rng = np.random.default_rng(seed)
-        assert mean_squared_error(*sc_experiment(world, start, sample_sequence(rng, 50, k, 2), rng)) == 0
+        assert (
+            mean_squared_error(*sc_experiment(world, start, sample_sequence(rng, 50, k, 2), rng))
+            == 0
+        )
 
 
 @every_walled_pair
@@ -524,7 +581,12 @@ def test_head_and_eyelid_commute_in_every_room(pair, dof):
     for seed in range(8):
         rng = np.random.default_rng(seed)
         world.reset(rng)
-        assert mean_squared_error(*sc_experiment(world, world.snapshot(), sample_sequence(rng, 50, k, 8), rng)) == 0
+        assert (
+            mean_squared_error(
+                *sc_experiment(world, world.snapshot(), sample_sequence(rng, 50, k, 8), rng)
+            )
+            == 0
+        )
 
 
 @pytest.mark.parametrize(("dof", "place"), [("head", HEAD), ("eyelid", EYELID)])
@@ -547,7 +609,11 @@ def test_a_furnished_room_does_not_always_commute():
     for seed in range(25):
         rng = np.random.default_rng(seed)
         world.reset(rng)
-        distances.append(mean_squared_error(*sc_experiment(world, world.snapshot(), sample_sequence(rng, 50, 0, 8), rng)))
+        distances.append(
+            mean_squared_error(
+                *sc_experiment(world, world.snapshot(), sample_sequence(rng, 50, 0, 8), rng)
+            )
+        )
     assert any(distance > 0 for distance in distances)
     assert any(distance == 0 for distance in distances)
 
@@ -590,15 +656,33 @@ def test_blocked_motion_is_lost(x, y, towards, sign):
     world.play(there)
     assert gone() == pytest.approx(182, abs=4)
     world.play(compose(back[:22], no_op(REST_STEPS, 8)))
-    assert gone() == pytest.approx(182 - 22 * 8, abs=5)  # from the wall; had the 58 units that it swallowed been caught up, 240 - 176
+    assert gone() == pytest.approx(
+        182 - 22 * 8, abs=5
+    )  # from the wall; had the 58 units that it swallowed been caught up, 240 - 176
 
 
-@pytest.mark.parametrize(("joint", "link", "x", "aside", "radius"), [("shoulder", 1, 265, 85, 25), ("elbow", 2, 307, 98, 15)])
+@pytest.mark.parametrize(
+    ("joint", "link", "x", "aside", "radius"),
+    [("shoulder", 1, 265, 85, 25), ("elbow", 2, 307, 98, 15)],
+)
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_an_arm_s_blocked_motion_is_lost(side, joint, link, x, aside, radius):
     """An arm that was turned against a fixed disc, however long, comes off it as soon as it is turned back."""
     sign, link = (1, link) if side == "left" else (-1, link + 2)
-    world = enter(FREE_SPACE, 300, 400, 0.0, [{"vertices": 0, "radius": radius, "colour": (255, 0, 0), "pose": (x, 400 + sign * aside, 0.0)}])
+    world = enter(
+        FREE_SPACE,
+        300,
+        400,
+        0.0,
+        [
+            {
+                "vertices": 0,
+                "radius": radius,
+                "colour": (255, 0, 0),
+                "pose": (x, 400 + sign * aside, 0.0),
+            }
+        ],
+    )
     start = world.poses()[link, 2]
     world.play(drive(f"{side}-{joint}", 1.0, 40))  # 10 rad, were nothing in the way
     blocked = sign * (world.poses()[link, 2] - start)
@@ -615,8 +699,12 @@ def test_the_base_does_not_enter_a_wall(value):
         for action in drive("base-longitudinal", value, 100):
             world.step(action)
             x, y = world.poses()[0, :2]
-            deepest = max(deepest, 30 - x, x - 570, 30 - y, y - 770)  # base radius 25, walls 5 thick on the inner side
-    assert -1.0 < deepest < 4.0  # it reached a wall, and Chipmunk lets bodies overlap a little while they are pressed on
+            deepest = max(
+                deepest, 30 - x, x - 570, 30 - y, y - 770
+            )  # base radius 25, walls 5 thick on the inner side
+    assert (
+        -1.0 < deepest < 4.0
+    )  # it reached a wall, and Chipmunk lets bodies overlap a little while they are pressed on
 
 
 def depth_in_walls(world: FlatlandWorld) -> float:
@@ -625,7 +713,9 @@ def depth_in_walls(world: FlatlandWorld) -> float:
     along = half * np.stack([np.cos(poses[1:5, 2]), np.sin(poses[1:5, 2])], 1)
     points = np.concatenate([poses[:1, :2], poses[1:5, :2] + along, poses[1:5, :2] - along])
     reach = world.room.wall_thickness / 2 + np.array([world.agent.base_radius] + [0.0] * 8)[:, None]
-    return float(max((reach - points).max(), (points + reach - [world.room.width, world.room.height]).max()))
+    return float(
+        max((reach - points).max(), (points + reach - [world.room.width, world.room.height]).max())
+    )
 
 
 @every_walled_pair
@@ -645,7 +735,9 @@ def test_no_wall_is_passed(pair):
         assert depth_in_walls(world) < 0.5
         poses = world.poses()
         joints = np.diff(poses[[0, 1, 2, 0, 3, 4], 2])[[0, 1, 3, 4]]
-        assert np.abs(poses[:5, :2] - linkage(world.agent, *poses[0], joints)[:, :2]).max() < 1.0  # the arms are still in their joints
+        assert (
+            np.abs(poses[:5, :2] - linkage(world.agent, *poses[0], joints)[:, :2]).max() < 1.0
+        )  # the arms are still in their joints
     assert 0 < pressed < world.room.wall_backing  # walls were run into, and are thicker than that
 
 
@@ -658,4 +750,6 @@ def test_nothing_leaves_the_room(pair):
         for _ in range(10):
             world.play(sample_sequence(rng, 20, 0, 8) + sample_sequence(rng, 20, 1, 8))
             middles = world.poses()[np.r_[0, N_LINKS : N_LINKS + world.room.things], :2]
-            assert (middles > 5).all() and (middles < np.array([world.room.width, world.room.height]) - 5).all()
+            assert (middles > 5).all() and (
+                middles < np.array([world.room.width, world.room.height]) - 5
+            ).all()

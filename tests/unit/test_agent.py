@@ -8,13 +8,25 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sensory_commutativity.helpers import DOFS, changed, linkage
 
+from sensory_commutativity.studies.flatland.builders import (
+    flatland_agent,
+    flatland_room,
+    flatland_world,
+)
 from sensory_commutativity.worlds.flatland.agent import JOINT_NAMES, N_LINKS, PARENT, Polyphemus
-from sensory_commutativity.worlds.flatland.from_config import flatland_agent, flatland_room, flatland_world
 
-from ..helpers import DOFS, changed, linkage
-
-NAMES = ["base-longitudinal", "base-rotation", "head", "eyelid", "left-shoulder", "left-elbow", "right-shoulder", "right-elbow"]
+NAMES = [
+    "base-longitudinal",
+    "base-rotation",
+    "head",
+    "eyelid",
+    "left-shoulder",
+    "left-elbow",
+    "right-shoulder",
+    "right-elbow",
+]
 
 
 def test_the_dofs_and_their_speeds():
@@ -42,13 +54,17 @@ def test_what_hangs_on_what():
 def test_poses_by_hand():
     """Looking along x at the origin, arms straight ahead."""
     agent = Polyphemus(base_radius=10.0, arm_length=4.0, shoulder_rest=0.0, elbow_rest=0.0)
-    assert np.allclose(agent.link_poses(0, 0, 0), [[0, 0, 0], [2, 10, 0], [6, 10, 0], [2, -10, 0], [6, -10, 0]])
+    assert np.allclose(
+        agent.link_poses(0, 0, 0), [[0, 0, 0], [2, 10, 0], [6, 10, 0], [2, -10, 0], [6, -10, 0]]
+    )
 
 
 @given(st.floats(-500, 500), st.floats(-500, 500), st.floats(-4, 4), st.floats(1, 150))
 def test_poses_against_forward_kinematics(x, y, heading, arm_length):
     agent = Polyphemus(arm_length=arm_length)
-    assert np.allclose(agent.link_poses(x, y, heading), linkage(agent, x, y, heading, agent.rest_angles), atol=1e-9)
+    assert np.allclose(
+        agent.link_poses(x, y, heading), linkage(agent, x, y, heading, agent.rest_angles), atol=1e-9
+    )
 
 
 def test_the_arms_are_mirror_images():
@@ -68,7 +84,15 @@ def test_an_empty_section_is_the_standard_agent(default_config):
 
 def test_an_agent_is_as_the_configuration_says(default_config):
     config = changed(
-        default_config, agents={"mine": {"arm_length": 30.0, "longitudinal_speed": 2.0, "angular_speed": 0.125, "joint_range_degrees": 90.0}}
+        default_config,
+        agents={
+            "mine": {
+                "arm_length": 30.0,
+                "longitudinal_speed": 2.0,
+                "angular_speed": 0.125,
+                "joint_range_degrees": 90.0,
+            }
+        },
     )
     assert flatland_agent(config.flatland, "mine") == Polyphemus(
         arm_length=30.0, longitudinal_speed=2.0, angular_speed=0.125, joint_range=math.pi / 2
@@ -76,7 +100,14 @@ def test_an_agent_is_as_the_configuration_says(default_config):
 
 
 def test_a_room_is_as_the_configuration_says(default_config):
-    settings = {"things": 3, "walls": False, "width": 400.0, "height": 500.0, "start_margin": 60.0, "path_speed": 1.5}
+    settings = {
+        "things": 3,
+        "walls": False,
+        "width": 400.0,
+        "height": 500.0,
+        "start_margin": 60.0,
+        "path_speed": 1.5,
+    }
     room = flatland_room(changed(default_config, worlds={"mine": settings}).flatland, "mine")
     assert {name: getattr(room, name) for name in settings} == settings
 

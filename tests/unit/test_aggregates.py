@@ -31,7 +31,9 @@ def rng(seed: int = 0) -> np.random.Generator:
 
 
 def test_interquartile_mean_by_hand():
-    assert interquartile_mean([100, 1, 2, 3, 4, 5, 6, -100]) == 3.5  # two of eight left out at either end
+    assert (
+        interquartile_mean([100, 1, 2, 3, 4, 5, 6, -100]) == 3.5
+    )  # two of eight left out at either end
     assert interquartile_mean([1, 2, 300]) == 101  # of three, nothing
     x = np.sort(SKEWED)
     assert interquartile_mean(SKEWED) == pytest.approx(x[7:23].mean())  # seven of thirty
@@ -61,7 +63,9 @@ def test_bootstrap_interval_is_bca():
 
 
 def test_bootstrap_interval_widens_with_confidence_and_repeats():
-    assert bootstrap_interval(SKEWED, np.mean, rng(3), 999) == bootstrap_interval(SKEWED, np.mean, rng(3), 999)
+    assert bootstrap_interval(SKEWED, np.mean, rng(3), 999) == bootstrap_interval(
+        SKEWED, np.mean, rng(3), 999
+    )
     wide, narrow = (bootstrap_interval(SKEWED, np.mean, rng(3), 999, c) for c in (0.99, 0.5))
     assert wide[0] < narrow[0] < SKEWED.mean() < narrow[1] < wide[1]
 
@@ -80,7 +84,9 @@ def test_bootstrap_interval_falls_back_on_percentiles():
 
 
 def test_bootstrap_interval_takes_a_statistic_without_axis():
-    assert bootstrap_interval(SKEWED, lambda x: x.mean(), rng(3), 99) == pytest.approx(bootstrap_interval(SKEWED, np.mean, rng(3), 99))
+    assert bootstrap_interval(SKEWED, lambda x: x.mean(), rng(3), 99) == pytest.approx(
+        bootstrap_interval(SKEWED, np.mean, rng(3), 99)
+    )
 
 
 @pytest.mark.parametrize(
@@ -90,7 +96,10 @@ def test_bootstrap_interval_takes_a_statistic_without_axis():
 )
 def test_bootstrap_interval_covers_as_often_as_it_says(statistic, truth):
     generator = rng(11)
-    intervals = [bootstrap_interval(generator.normal(0, 2, 30), statistic, generator, 199, 0.8) for _ in range(250)]
+    intervals = [
+        bootstrap_interval(generator.normal(0, 2, 30), statistic, generator, 199, 0.8)
+        for _ in range(250)
+    ]
     assert 0.72 < np.mean([low < truth < high for low, high in intervals]) < 0.85
 
 
@@ -99,19 +108,34 @@ def test_bootstrap_interval_covers_as_often_as_it_says(statistic, truth):
 
 def test_summary():
     found = summary(SKEWED, rng(), 999)
-    assert (found.n, found.mean, found.median, found.iqm) == (30, SKEWED.mean(), np.median(SKEWED), interquartile_mean(SKEWED))
+    assert (found.n, found.mean, found.median, found.iqm) == (
+        30,
+        SKEWED.mean(),
+        np.median(SKEWED),
+        interquartile_mean(SKEWED),
+    )
     assert (found.mean_low, found.mean_high) == pytest.approx(DescrStatsW(SKEWED).tconfint_mean())
     generator = rng()
-    assert (found.median_low, found.median_high) == bootstrap_interval(SKEWED, np.median, generator, 999)
-    assert (found.iqm_low, found.iqm_high) == bootstrap_interval(SKEWED, interquartile_mean, generator, 999)
+    assert (found.median_low, found.median_high) == bootstrap_interval(
+        SKEWED, np.median, generator, 999
+    )
+    assert (found.iqm_low, found.iqm_high) == bootstrap_interval(
+        SKEWED, interquartile_mean, generator, 999
+    )
 
 
 def test_summary_at_another_confidence():
     found = summary(SKEWED, rng(), 999, 0.5)
-    assert (found.mean_low, found.mean_high) == pytest.approx(DescrStatsW(SKEWED).tconfint_mean(alpha=0.5))
+    assert (found.mean_low, found.mean_high) == pytest.approx(
+        DescrStatsW(SKEWED).tconfint_mean(alpha=0.5)
+    )
     generator = rng()
-    assert (found.median_low, found.median_high) == bootstrap_interval(SKEWED, np.median, generator, 999, 0.5)
-    assert (found.iqm_low, found.iqm_high) == bootstrap_interval(SKEWED, interquartile_mean, generator, 999, 0.5)
+    assert (found.median_low, found.median_high) == bootstrap_interval(
+        SKEWED, np.median, generator, 999, 0.5
+    )
+    assert (found.iqm_low, found.iqm_high) == bootstrap_interval(
+        SKEWED, interquartile_mean, generator, 999, 0.5
+    )
 
 
 def test_summary_of_equal_values():
@@ -122,7 +146,11 @@ def test_summary_of_equal_values():
 
 
 def test_ratio_of_means_by_hand():
-    assert ratio_of_means([2, 4], [1, 1], rng(), 999) == (3, 2, 4)  # a quarter of the resamples is 2, 2 and a quarter 4, 4
+    assert ratio_of_means([2, 4], [1, 1], rng(), 999) == (
+        3,
+        2,
+        4,
+    )  # a quarter of the resamples is 2, 2 and a quarter 4, 4
     assert ratio_of_means([2, 2, 2], [8, 8], rng()) == (0.25, 0.25, 0.25)
     assert ratio_of_means([2, 4], [-1, -1], rng(), 999) == (-3, -4, -2)
 
@@ -131,14 +159,23 @@ def test_ratio_of_means_by_hand():
 def test_ratio_of_means_against_a_plain_bootstrap(confidence):
     a, b, generator = SKEWED + 1, rng(2).gamma(4.0, 1.0, 12), rng(4)
     found = ratio_of_means(a, b, generator, 20_000, confidence)
-    plain = generator.choice(a, (20_000, 30)).mean(axis=1) / generator.choice(b, (20_000, 12)).mean(axis=1)
+    plain = generator.choice(a, (20_000, 30)).mean(axis=1) / generator.choice(b, (20_000, 12)).mean(
+        axis=1
+    )
     assert found.ratio == pytest.approx(a.mean() / b.mean())
-    assert (found.ci_low, found.ci_high) == pytest.approx(np.quantile(plain, [0.5 - confidence / 2, 0.5 + confidence / 2]), abs=0.02)
+    assert (found.ci_low, found.ci_high) == pytest.approx(
+        np.quantile(plain, [0.5 - confidence / 2, 0.5 + confidence / 2]), abs=0.02
+    )
 
 
 def test_ratio_of_means_covers_as_often_as_it_says():
     generator = rng(6)
-    found = [ratio_of_means(generator.exponential(6, 30), generator.normal(3, 1, 40), generator, 199, 0.8) for _ in range(300)]
+    found = [
+        ratio_of_means(
+            generator.exponential(6, 30), generator.normal(3, 1, 40), generator, 199, 0.8
+        )
+        for _ in range(300)
+    ]
     assert 0.72 < np.mean([r.ci_low < 2 < r.ci_high for r in found]) < 0.84
 
 
@@ -182,7 +219,10 @@ def test_percentile_interval():
         lambda x: ratio_of_means([1, 2], x, rng()),
     ],
 )
-@pytest.mark.parametrize(("bad", "says"), [([1.0], "at least 2"), ([[1.0, 2.0]], "one dimension"), ([1.0, np.nan], "not finite")])
+@pytest.mark.parametrize(
+    ("bad", "says"),
+    [([1.0], "at least 2"), ([[1.0, 2.0]], "one dimension"), ([1.0, np.nan], "not finite")],
+)
 def test_runs_that_are_refused(call, bad, says):
     with pytest.raises(ValueError, match=says):
         call(bad)

@@ -9,9 +9,9 @@ import pytest
 import yaml
 
 from sensory_commutativity.worlds.apartment import frames as fr
-from sensory_commutativity.worlds.apartment.body import build_body
-from sensory_commutativity.worlds.apartment.robot import load_robot
-from sensory_commutativity.worlds.apartment.urdf import RobotError
+from sensory_commutativity.worlds.apartment.robots.body import build_body
+from sensory_commutativity.worlds.apartment.robots.robot import load_robot
+from sensory_commutativity.worlds.apartment.robots.urdf import RobotError
 
 ROBOTS = Path(__file__).parents[2] / "config" / "robots"
 URDF = """<robot name="arm">
@@ -42,9 +42,19 @@ def written(tmp_path: Path, description=None, urdf: str = URDF) -> Path:
 @pytest.mark.parametrize(("name", "dofs"), [("fetch", 10), ("jackrabbot", 7)])
 def test_a_shipped_robot_loads(name, dofs):
     robot = load_robot(ROBOTS / f"{name}.yaml")
-    assert len(robot.dofs) == dofs and list(robot.hierarchy) == ["wheel", "shoulder", "elbow", "wrist"]
-    assert robot.hierarchy["wheel"] == ["right-wheel", "left-wheel"] and robot.description.drive is not None
-    assert (robot.start_ranges >= robot.limits[:, :1]).all() and (robot.start_ranges <= robot.limits[:, 1:]).all()
+    assert len(robot.dofs) == dofs and list(robot.hierarchy) == [
+        "wheel",
+        "shoulder",
+        "elbow",
+        "wrist",
+    ]
+    assert (
+        robot.hierarchy["wheel"] == ["right-wheel", "left-wheel"]
+        and robot.description.drive is not None
+    )
+    assert (robot.start_ranges >= robot.limits[:, :1]).all() and (
+        robot.start_ranges <= robot.limits[:, 1:]
+    ).all()
     body = build_body(robot)
     assert len(body.parts) >= 8 and sum(len(part.mesh.faces) for _, part in body.parts) < 5_000
 
@@ -55,18 +65,32 @@ def test_fetch_has_the_sizes_of_fetch():
     body = build_body(robot)
     poses = body.link_poses(np.zeros(3), np.zeros(len(robot.joints)))
     seen = np.concatenate([fr.apply(poses[link], part.mesh.vertices) for link, part in body.parts])
-    assert seen[:, 2].max() == pytest.approx(1.1, abs=0.05) and seen[:, 2].min() == pytest.approx(0.0, abs=0.02)
+    assert seen[:, 2].max() == pytest.approx(1.1, abs=0.05) and seen[:, 2].min() == pytest.approx(
+        0.0, abs=0.02
+    )
     link, frame = body.where["wrist_roll_link"]
-    reach = np.linalg.norm((poses[link] @ frame)[:3, 3] - poses[[j.name for j in robot.joints].index("shoulder_pan_joint") + 1][:3, 3])
+    reach = np.linalg.norm(
+        (poses[link] @ frame)[:3, 3]
+        - poses[[j.name for j in robot.joints].index("shoulder_pan_joint") + 1][:3, 3]
+    )
     assert reach == pytest.approx(0.94, abs=0.02)
 
 
 def test_a_users_own_robot_by_config_alone(tmp_path):
     robot = load_robot(written(tmp_path, {"start": {"turn": [-0.5, 0.5]}}))
     (dof,) = robot.dofs
-    assert (dof.name, dof.unit, dof.speed, dof.low, dof.high) == ("turn", "rad", pytest.approx(0.1), -2.0, 2.0)
+    assert (dof.name, dof.unit, dof.speed, dof.low, dof.high) == (
+        "turn",
+        "rad",
+        pytest.approx(0.1),
+        -2.0,
+        2.0,
+    )
     body = build_body(robot)
-    tip = fr.apply(body.link_poses(np.array([1.0, 2.0, 0.0]), np.array([np.pi / 2]))[1], np.array([[0.5, 0, 0]]))[0]
+    tip = fr.apply(
+        body.link_poses(np.array([1.0, 2.0, 0.0]), np.array([np.pi / 2]))[1],
+        np.array([[0.5, 0, 0]]),
+    )[0]
     assert tip == pytest.approx((1.0, 2.5, 0.5)) and robot.hierarchy == {}
 
 
@@ -76,14 +100,42 @@ def test_a_users_own_robot_by_config_alone(tmp_path):
         ({"urdf": "none.urdf"}, URDF, "urdf: there is no file 'none.urdf'"),
         ({}, "<robot", "not valid XML in line 1"),
         ({}, "<sdf/>", "the outermost element is <sdf>"),
-        ({}, URDF.replace('child link="eye"', 'child link="nose"'), "holds the link 'nose', which is not there"),
-        ({}, URDF.replace("<box", '<mesh filename="x.stl"/><box', 1), "names the mesh 'x.stl', which is not there"),
-        ({"dofs": [{**OWN["dofs"][0], "joints": ["bend"]}]}, URDF, "dofs: 'turn' names the joint 'bend', which mine.urdf has not; it has turn"),
-        ({"dofs": [{**OWN["dofs"][0], "joints": ["mount"]}]}, URDF, "which cannot move; choose one of turn"),
-        ({"dofs": [{**OWN["dofs"][0], "unit": "m"}]}, URDF, "has the unit m, but its joint 'turn' is revolute; write rad"),
-        ({"camera": {"link": "nose", "position": [0, 0, 0]}}, URDF, "camera.link: mine.urdf has no link 'nose'"),
+        (
+            {},
+            URDF.replace('child link="eye"', 'child link="nose"'),
+            "holds the link 'nose', which is not there",
+        ),
+        (
+            {},
+            URDF.replace("<box", '<mesh filename="x.stl"/><box', 1),
+            "names the mesh 'x.stl', which is not there",
+        ),
+        (
+            {"dofs": [{**OWN["dofs"][0], "joints": ["bend"]}]},
+            URDF,
+            "dofs: 'turn' names the joint 'bend', which mine.urdf has not; it has turn",
+        ),
+        (
+            {"dofs": [{**OWN["dofs"][0], "joints": ["mount"]}]},
+            URDF,
+            "which cannot move; choose one of turn",
+        ),
+        (
+            {"dofs": [{**OWN["dofs"][0], "unit": "m"}]},
+            URDF,
+            "has the unit m, but its joint 'turn' is revolute; write rad",
+        ),
+        (
+            {"camera": {"link": "nose", "position": [0, 0, 0]}},
+            URDF,
+            "camera.link: mine.urdf has no link 'nose'",
+        ),
         ({"start": {"turn": [-3, 0]}}, URDF, "would start from -3 to 0, beyond its limits"),
-        ({"hierarchy": ["arm", "leg"]}, URDF, "hierarchy: no degree of freedom is of the group 'leg'; the groups are arm"),
+        (
+            {"hierarchy": ["arm", "leg"]},
+            URDF,
+            "hierarchy: no degree of freedom is of the group 'leg'; the groups are arm",
+        ),
         ({"hierarchy": ["arm", "arm"]}, URDF, "hierarchy: the group 'arm' is there twice"),
         ({"velocity": 3}, URDF, "velocity"),
     ],

@@ -9,11 +9,18 @@ import numpy as np
 import pytest
 
 from sensory_commutativity.worlds.apartment.geometry import box
-from sensory_commutativity.worlds.apartment.robot import load_robot
-from sensory_commutativity.worlds.apartment.scene import Area, Fixture, Movable, Part, Scene, Solid
-from sensory_commutativity.worlds.apartment.scenefile import load_scene
-from sensory_commutativity.worlds.apartment.simulation import Simulation
-from sensory_commutativity.worlds.apartment.starts import draw_start
+from sensory_commutativity.worlds.apartment.physics.simulation import Simulation
+from sensory_commutativity.worlds.apartment.physics.starts import draw_start
+from sensory_commutativity.worlds.apartment.robots.robot import load_robot
+from sensory_commutativity.worlds.apartment.scenes.scene import (
+    Area,
+    Fixture,
+    Movable,
+    Part,
+    Scene,
+    Solid,
+)
+from sensory_commutativity.worlds.apartment.scenes.scenefile import load_scene
 
 CONFIG = Path(__file__).parents[2] / "config"
 ROOM = (Area("room", (-2, 2), (-2, 2)),)
@@ -59,7 +66,14 @@ def play(simulation: Simulation, start, actions: np.ndarray) -> None:
 
 
 def state(simulation: Simulation) -> np.ndarray:
-    return np.concatenate([simulation.base(), simulation.joints(), simulation.poses().ravel(), simulation.object_shifts()])
+    return np.concatenate(
+        [
+            simulation.base(),
+            simulation.joints(),
+            simulation.poses().ravel(),
+            simulation.object_shifts(),
+        ]
+    )
 
 
 def test_what_touches_nothing_commutes(robot):
@@ -98,7 +112,9 @@ def test_an_action_moves_what_it_commands(robot):
         assert np.abs(np.delete(moved, own)).max() < 1e-3
 
 
-@pytest.mark.parametrize(("right", "left"), [(1.0, 0.0), (0.0, 1.0), (0.8, 0.8), (-0.6, 0.6), (0.7, -0.2)])
+@pytest.mark.parametrize(
+    ("right", "left"), [(1.0, 0.0), (0.0, 1.0), (0.8, 0.8), (-0.6, 0.6), (0.7, -0.2)]
+)
 def test_wheels_drive_the_exact_arc(robot, right, left):
     begin(robot, (0.2, -0.1, 0.4))
     x, y, heading = robot.base()
@@ -125,17 +141,25 @@ def test_the_base_holds_still_while_the_arm_swings(fetch):
 
 
 def wall(x: float) -> Fixture:
-    return Fixture("wall", (Part(box((0.05, 1, 1)), (1, 1, 1)),), (Solid("box", (0.05, 1.0, 1.0), (x + 0.05, 0.0, 1.0)),))
+    return Fixture(
+        "wall",
+        (Part(box((0.05, 1, 1)), (1, 1, 1)),),
+        (Solid("box", (0.05, 1.0, 1.0), (x + 0.05, 0.0, 1.0)),),
+    )
 
 
 @pytest.mark.parametrize(("dof", "heading"), [("right-wheel", 0.0), ("shoulder-pan", math.pi / 2)])
 def test_what_is_blocked_is_lost_and_not_caught_up(dof, heading):
     """Into the wall and back ends elsewhere than back and into the wall; and the base does not go through."""
-    simulation = made("fetch", Scene("walled", (wall(0.38 if dof == "right-wheel" else 0.45),), (), ROOM))
+    simulation = made(
+        "fetch", Scene("walled", (wall(0.38 if dof == "right-wheel" else 0.45),), (), ROOM)
+    )
     names = [d.name for d in simulation.robot.dofs]
     joints = simulation.robot.start_ranges.mean(1)
     if dof == "right-wheel":
-        joints = np.where([j.name == "shoulder_pan_joint" for j in simulation.robot.joints], 1.5, joints)  # the arm aside
+        joints = np.where(
+            [j.name == "shoulder_pan_joint" for j in simulation.robot.joints], 1.5, joints
+        )  # the arm aside
     simulation.place(np.array([0.0, 0.0, heading]), joints)
     assert not simulation.penetrates()
     simulation.settle()
@@ -156,13 +180,24 @@ def test_what_is_blocked_is_lost_and_not_caught_up(dof, heading):
 
 
 def test_a_box_is_pushed_and_told(fetch):
-    thing = Movable("box", "box", 2.0, (Part(box((0.15, 0.15, 0.15)), (1, 1, 1)),), (Solid("box", (0.15, 0.15, 0.15)),), (0.6, 0.0, 0.151))
+    thing = Movable(
+        "box",
+        "box",
+        2.0,
+        (Part(box((0.15, 0.15, 0.15)), (1, 1, 1)),),
+        (Solid("box", (0.15, 0.15, 0.15)),),
+        (0.6, 0.0, 0.151),
+    )
     simulation = made("fetch", Scene("boxed", (), (thing,), ROOM))
     actions = np.zeros((6, 10))
     actions[:, :2] = 0.5
     play(simulation, begin(simulation), actions)
     touches = simulation.touches()
-    assert touches.movable > 0 and touches.fixed == 0 and simulation.object_shifts()[0] == pytest.approx(0.32 - 0.18, abs=0.1)
+    assert (
+        touches.movable > 0
+        and touches.fixed == 0
+        and simulation.object_shifts()[0] == pytest.approx(0.32 - 0.18, abs=0.1)
+    )
     simulation.close()
 
 

@@ -6,17 +6,21 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
+from sensory_commutativity.helpers import DEFAULT
 
-from sensory_commutativity.config import Config, load
-from sensory_commutativity.stages.apartment_claims import apartment_claims
-from sensory_commutativity.stages.apartment_hierarchy import group_steps, paired_means, write_hierarchy
-from sensory_commutativity.stages.apartment_interaction import interactions
-from sensory_commutativity.stages.apartment_order import compare_orders_of_dofs
-from sensory_commutativity.stages.apartment_scp import write_scp
-from sensory_commutativity.tables import TABLES, read_table, write_table
-from sensory_commutativity.worlds.apartment.robot import load_robot
-
-from ..helpers import DEFAULT
+from sensory_commutativity.storage.tables import TABLES, read_table, write_table
+from sensory_commutativity.studies.apartment.claims import apartment_claims
+from sensory_commutativity.studies.apartment.tables.apartment_hierarchy import (
+    group_steps,
+    paired_means,
+    write_hierarchy,
+)
+from sensory_commutativity.studies.apartment.tables.apartment_interaction import interactions
+from sensory_commutativity.studies.apartment.tables.apartment_order import compare_orders_of_dofs
+from sensory_commutativity.studies.apartment.tables.apartment_scp import write_scp
+from sensory_commutativity.studies.config import Config
+from sensory_commutativity.studies.loading import load
+from sensory_commutativity.worlds.apartment.robots.robot import load_robot
 
 N = 40
 SCP = {
@@ -42,7 +46,25 @@ def made_up(config: Config, scp: dict[str, dict[str, float]]) -> pd.DataFrame:
                 commutes = run.scene == "free-space" or (i * 7 + d) % N < round(value * N)
                 for view in config.apartment.fields_of_view:
                     touched = 0 if commutes else 3
-                    rows.append((*run[:4], dof, i, 1, view, touched, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.1, 5.0 if commutes else 900.0))
+                    rows.append(
+                        (
+                            *run[:4],
+                            dof,
+                            i,
+                            1,
+                            view,
+                            touched,
+                            0,
+                            0,
+                            0,
+                            0.0,
+                            0.0,
+                            0.0,
+                            0.0,
+                            0.1,
+                            5.0 if commutes else 900.0,
+                        )
+                    )
     return pd.DataFrame(rows, columns=[column.name for column in TABLES["apartment_experiments"]])
 
 
@@ -67,38 +89,66 @@ def file(experiments, config, tmp_path):
 def test_the_scp_is_counted_at_every_threshold(file, config, scp, tmp_path):
     write_scp(file, tmp_path / "scp.parquet", config)
     table = read_table("apartment_scp", tmp_path / "scp.parquet")
-    assert len(table) == sum(len(scp[run.robot]) for run in config.apartment.runs()) * len(config.apartment.thresholds) * 2
+    assert (
+        len(table)
+        == sum(len(scp[run.robot]) for run in config.apartment.runs())
+        * len(config.apartment.thresholds)
+        * 2
+    )
     zero = table[(table["threshold"] == 0) & (table["robot"] == "fetch")]
     assert (zero["scp"] == 0).all()
     for row in table[(table["threshold"] == 50) & (table["robot"] == "fetch")].itertuples():
         expected = 1.0 if row.apartment == "free-space" else scp["fetch"][row.dof]
-        assert row.n == N and row.scp == pytest.approx(expected, abs=1 / N) and row.ci_low <= row.scp <= row.ci_high
+        assert (
+            row.n == N
+            and row.scp == pytest.approx(expected, abs=1 / N)
+            and row.ci_low <= row.scp <= row.ci_high
+        )
 
 
 def test_steps_of_the_hierarchy_by_hand():
     distance = {"a": [900, 900, 900, 5], "b": [900, 5, 900, 5], "c": [5, 5, 5, 900]}
-    frame = pd.DataFrame([(dof, i, float(d)) for dof, ds in distance.items() for i, d in enumerate(ds)], columns=["dof", "experiment", "distance"])
+    frame = pd.DataFrame(
+        [(dof, i, float(d)) for dof, ds in distance.items() for i, d in enumerate(ds)],
+        columns=["dof", "experiment", "distance"],
+    )
     table = group_steps(frame, {"low": ["a", "b"], "high": ["c"]}, 50)
     expected = np.array([0 - 1, 0.5 - 1, 0 - 1, 1 - 0])
     assert table[["lower", "higher", "n"]].values.tolist() == [["low", "high", 4]]
     row = table.iloc[0]
-    assert (row["scp_lower"], row["scp_higher"], row["difference"]) == pytest.approx((3 / 8, 3 / 4, expected.mean()))
-    assert row["p"] == pytest.approx(stats.ttest_1samp(expected, 0).pvalue) and row["ci_low"] < row["difference"] < row["ci_high"]
+    assert (row["scp_lower"], row["scp_higher"], row["difference"]) == pytest.approx(
+        (3 / 8, 3 / 4, expected.mean())
+    )
+    assert (
+        row["p"] == pytest.approx(stats.ttest_1samp(expected, 0).pvalue)
+        and row["ci_low"] < row["difference"] < row["ci_high"]
+    )
 
 
 def test_equal_differences_are_judged_by_their_signs():
     assert paired_means(np.zeros(5)) == (0, 0, 1)
     low, high, p = paired_means(np.full(5, -0.5))
     assert (low, p) == (-0.5, 2 * 0.5**5) and -0.5 < high < 0.5
-    assert paired_means(np.full(100, 1.0))[0] == pytest.approx(1 - 2 * 0.0362, abs=1e-3)  # Clopper-Pearson: up to 3.6 % of a hundred
+    assert paired_means(np.full(100, 1.0))[0] == pytest.approx(
+        1 - 2 * 0.0362, abs=1e-3
+    )  # Clopper-Pearson: up to 3.6 % of a hundred
 
 
 def test_the_hierarchy_of_both_robots_is_written(file, config, tmp_path):
     write_hierarchy(file, tmp_path / "h.parquet", config)
     table = read_table("apartment_hierarchy", tmp_path / "h.parquet")
-    fetch = table[(table["robot"] == "fetch") & (table["threshold"] == 50) & (table["start"] == "anywhere") & (table["length"] == 50)]
+    fetch = table[
+        (table["robot"] == "fetch")
+        & (table["threshold"] == 50)
+        & (table["start"] == "anywhere")
+        & (table["length"] == 50)
+    ]
     steps = fetch[(fetch["apartment"] == "rs-stand-in") & (fetch["field_of_view"] == 90)]
-    assert steps[["lower", "higher"]].values.tolist() == [["wheel", "shoulder"], ["shoulder", "elbow"], ["elbow", "wrist"]]
+    assert steps[["lower", "higher"]].values.tolist() == [
+        ["wheel", "shoulder"],
+        ["shoulder", "elbow"],
+        ["elbow", "wrist"],
+    ]
     assert (steps["difference"] < 0).all() and (steps["p_adjusted"] >= steps["p"]).all()
     assert {"fetch", "jackrabbot"} == set(table["robot"])
 
@@ -107,9 +157,15 @@ def test_the_same_order_has_tau_one_and_every_change_is_there(experiments, confi
     table = compare_orders_of_dofs(experiments, config)
     changed = table.groupby("changed").size().to_dict()
     assert changed == {"threshold": 5, "field of view": 1, "apartment": 2, "start": 1, "length": 2}
-    assert table.loc[table["value"].isin(["20", "100", "200"]), "tau"].tolist() == pytest.approx([1, 1, 1])
-    assert np.isnan(table.loc[table["value"] == "0", "tau"]).all()  # nothing commutes at 0 here: no order
-    assert (table.loc[table["changed"] != "threshold", "tau"] > 0.99).all() and (table["n"] == N).all()
+    assert table.loc[table["value"].isin(["20", "100", "200"]), "tau"].tolist() == pytest.approx(
+        [1, 1, 1]
+    )
+    assert np.isnan(
+        table.loc[table["value"] == "0", "tau"]
+    ).all()  # nothing commutes at 0 here: no order
+    assert (table.loc[table["changed"] != "threshold", "tau"] > 0.99).all() and (
+        table["n"] == N
+    ).all()
 
 
 def test_true_interaction_is_split_into_three(experiments, config):
@@ -158,22 +214,46 @@ def test_a_claim_fails_where_it_does_not_hold(dof, value, fails, scp, config, tm
 
 def test_free_space_that_does_not_commute_is_told(experiments, config, tmp_path):
     spoilt = experiments.copy()
-    spoilt.loc[(spoilt["apartment"] == "free-space") & (spoilt["robot"] == "fetch") & (spoilt["experiment"] == 0), "distance"] = 900.0
+    spoilt.loc[
+        (spoilt["apartment"] == "free-space")
+        & (spoilt["robot"] == "fetch")
+        & (spoilt["experiment"] == 0),
+        "distance",
+    ] = 900.0
     found = claims(spoilt, config, tmp_path)
-    assert not found["fetch: in free space everything commutes"] and found["jackrabbot: in free space everything commutes"]
+    assert (
+        not found["fetch: in free space everything commutes"]
+        and found["jackrabbot: in free space everything commutes"]
+    )
 
 
 def test_a_robot_without_a_hierarchy_has_a_table_without_rows_and_no_such_claim(tmp_path, config):
     """As the smallest description in config/robots/README.md: an arm that is fixed to the floor, and nothing expected of it."""
-    from sensory_commutativity.config import merge, validate
+    from sensory_commutativity.test_apartment_robot import written as write_robot
 
-    from .test_apartment_robot import written as write_robot
+    from sensory_commutativity.studies.loading import merge, validate
 
     write_robot(tmp_path, {"start": {"turn": [-0.5, 0.5]}})
-    mine = {"robots": {"mine": {"description": str(tmp_path / "mine.yaml")}}, "reference": {"robot": "mine"}, "robots_compared": {"robots": []}}
-    mine |= {"scenes_compared": {"robots": ["mine"]}, "within_reach": {"robots": ["mine"]}, "free_space": {"robots": ["mine"]}}
-    config = validate(merge(config.model_dump(mode="json"), {"apartment": mine, "masks": {"robot": "mine", "fixed": {}}}))
+    mine = {
+        "robots": {"mine": {"description": str(tmp_path / "mine.yaml")}},
+        "reference": {"robot": "mine"},
+        "robots_compared": {"robots": []},
+    }
+    mine |= {
+        "scenes_compared": {"robots": ["mine"]},
+        "within_reach": {"robots": ["mine"]},
+        "free_space": {"robots": ["mine"]},
+    }
+    config = validate(
+        merge(
+            config.model_dump(mode="json"),
+            {"apartment": mine, "masks": {"robot": "mine", "fixed": {}}},
+        )
+    )
     dofs = [dof.name for dof in load_robot(tmp_path / "mine.yaml").dofs]
     found = claims(made_up(config, {"mine": dict.fromkeys(dofs, 0.5)}), config, tmp_path)
     assert read_table("apartment_hierarchy", tmp_path / "h.parquet").empty
-    assert not any("rises" in claim or "wheels" in claim for claim in found) and found["mine: in free space everything commutes"]
+    assert (
+        not any("rises" in claim or "wheels" in claim for claim in found)
+        and found["mine: in free space everything commutes"]
+    )

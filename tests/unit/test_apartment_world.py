@@ -6,25 +6,30 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sensory_commutativity.helpers import DEFAULT
+from sensory_commutativity.test_apartment_robot import written as write_robot
+from sensory_commutativity.test_apartment_scenes import room_mesh
+from sensory_commutativity.test_apartment_scenes import written as write_scene
 
-from sensory_commutativity.config import load, merge, validate
 from sensory_commutativity.errors import ConfigError
-from sensory_commutativity.experiment import endings_per_dof
 from sensory_commutativity.perceptual.weights import Weights, WeightsError
-from sensory_commutativity.stages.apartment_experiments import run_experiments
-from sensory_commutativity.tables import TABLES
-from sensory_commutativity.worlds.apartment.camera import Camera
-from sensory_commutativity.worlds.apartment.from_config import apartment_world, check_apartment, check_ready, contents, empty_floor
-from sensory_commutativity.worlds.apartment.robot import load_robot
-from sensory_commutativity.worlds.apartment.scene import Area, Fixture, Scene, Solid
-from sensory_commutativity.worlds.apartment.starts import StartError, draw_start
+from sensory_commutativity.scp.experiment import endings_per_dof
+from sensory_commutativity.scp.world import World
+from sensory_commutativity.storage.tables import TABLES
+from sensory_commutativity.studies.apartment.builders import (
+    apartment_world,
+    check_apartment,
+    check_ready,
+    contents,
+    empty_floor,
+)
+from sensory_commutativity.studies.apartment.tables.apartment_experiments import run_experiments
+from sensory_commutativity.studies.loading import load, merge, validate
+from sensory_commutativity.worlds.apartment.physics.starts import StartError, draw_start
+from sensory_commutativity.worlds.apartment.rendering.camera import Camera
+from sensory_commutativity.worlds.apartment.robots.robot import load_robot
+from sensory_commutativity.worlds.apartment.scenes.scene import Area, Fixture, Scene, Solid
 from sensory_commutativity.worlds.apartment.world import ApartmentWorld
-from sensory_commutativity.worlds.base import World
-
-from ..helpers import DEFAULT
-from .test_apartment_robot import written as write_robot
-from .test_apartment_scenes import room_mesh
-from .test_apartment_scenes import written as write_scene
 
 ROBOTS = Path(__file__).parents[2] / "config" / "robots"
 SMALL = Camera(32, 32, 90.0, 2)
@@ -111,7 +116,10 @@ def test_a_users_own_robot_in_a_users_own_rooms(tmp_path, config):
     write_robot(tmp_path, {"start": {"turn": [-0.5, 0.5]}})
     room_mesh().export(tmp_path / "room.ply")
     write_scene(tmp_path, {"kind": "mesh", "name": "mine", "mesh": "room.ply"})
-    change = {"robots": {"mine": {"description": str(tmp_path / "mine.yaml")}}, "scenes": {"mine": {"file": str(tmp_path / "scene.yaml")}}}
+    change = {
+        "robots": {"mine": {"description": str(tmp_path / "mine.yaml")}},
+        "scenes": {"mine": {"file": str(tmp_path / "scene.yaml")}},
+    }
     settings = validate(merge(config.model_dump(mode="json"), {"apartment": change}))
     check_apartment(settings)
     world = apartment_world(settings, "mine", "mine", "anywhere")
@@ -127,8 +135,13 @@ def test_a_users_own_robot_in_a_users_own_rooms(tmp_path, config):
 def test_a_robot_that_fits_nowhere_is_told():
     full = Fixture("block", (), (Solid("box", (2.0, 2.0, 1.0), (0.0, 0.0, 1.0)),))
     robot = load_robot(ROBOTS / "jackrabbot.yaml")
-    world = ApartmentWorld(Scene("full", (full,), (), (Area("room", (-1, 1), (-1, 1)),)), robot, (SMALL,))
-    with pytest.raises(StartError, match=r"scene 'full' with robot 'jackrabbot': none of 20 random places is a valid start \(20 touch something\)"):
+    world = ApartmentWorld(
+        Scene("full", (full,), (), (Area("room", (-1, 1), (-1, 1)),)), robot, (SMALL,)
+    )
+    with pytest.raises(
+        StartError,
+        match=r"scene 'full' with robot 'jackrabbot': none of 20 random places is a valid start \(20 touch something\)",
+    ):
         draw_start(world.simulation, np.random.default_rng(0), tries=20)
     world.simulation.close()
 
@@ -139,7 +152,9 @@ def test_nothing_within_reach_is_told(floor):
 
 
 def test_a_scene_without_areas_is_told():
-    world = ApartmentWorld(Scene("none", (), (), ()), load_robot(ROBOTS / "jackrabbot.yaml"), (SMALL,))
+    world = ApartmentWorld(
+        Scene("none", (), (), ()), load_robot(ROBOTS / "jackrabbot.yaml"), (SMALL,)
+    )
     with pytest.raises(StartError, match="no area in which a robot may start"):
         world.reset(np.random.default_rng(0))
     world.simulation.close()
@@ -158,22 +173,34 @@ def test_a_file_that_is_not_there_is_told_before_any_work(config, change, messag
         check_apartment(settings)
 
 
-def test_what_only_trying_can_tell_is_told_with_its_key_before_the_long_work(tmp_path, config, monkeypatch):
+def test_what_only_trying_can_tell_is_told_with_its_key_before_the_long_work(
+    tmp_path, config, monkeypatch
+):
     (tmp_path / "full.yaml").write_text(
         "kind: floor-plan\nname: full\nrooms: {room: {x: [0.0, 1.2], y: [0.0, 1.2]}}\n"
         "furniture: [{type: table, name: block, at: [0.6, 0.6], size: [1.0, 1.0, 0.7]}]\n"
     )
-    monkeypatch.setattr("sensory_commutativity.worlds.apartment.from_config.vgg16_weights", lambda file: Weights((), "made up"))
-    monkeypatch.setattr("sensory_commutativity.worlds.apartment.starts.TRIES", 20)
+    monkeypatch.setattr(
+        "sensory_commutativity.studies.apartment.builders.vgg16_weights",
+        lambda file: Weights((), "made up"),
+    )
+    monkeypatch.setattr("sensory_commutativity.worlds.apartment.physics.starts.TRIES", 20)
     change = {"scenes": {"rs-stand-in": {"file": str(tmp_path / "full.yaml")}}}
     settings = validate(merge(config.model_dump(mode="json"), {"apartment": change}))
-    with pytest.raises(ConfigError, match=r"config: apartment\.robots\.fetch in apartment\.scenes\.rs-stand-in: scene 'full'.* is a valid start"):
+    with pytest.raises(
+        ConfigError,
+        match=r"config: apartment\.robots\.fetch in apartment\.scenes\.rs-stand-in: scene 'full'.* is a valid start",
+    ):
         check_ready(settings, "fetch", "rs-stand-in", "anywhere")
 
 
 def test_weights_that_cannot_be_had_are_told_before_the_long_work(config):
-    settings = validate(merge(config.model_dump(mode="json"), {"apartment": {"weights": "nowhere/vgg16.npz"}}))
-    with pytest.raises(WeightsError, match=r"apartment\.weights: there is no file nowhere/vgg16\.npz"):
+    settings = validate(
+        merge(config.model_dump(mode="json"), {"apartment": {"weights": "nowhere/vgg16.npz"}})
+    )
+    with pytest.raises(
+        WeightsError, match=r"apartment\.weights: there is no file nowhere/vgg16\.npz"
+    ):
         check_ready(settings, "fetch", "rs-stand-in", "anywhere")
 
 
@@ -186,7 +213,9 @@ def test_a_robot_fixed_to_the_floor_is_put_back_where_it_stood(tmp_path):
         places.append((world.snapshot(), world.simulation.base(), world.observe()))
     for start, base, seen in places:
         world.restore(start)
-        assert np.array_equal(world.simulation.base(), base) and np.array_equal(world.observe(), seen)
+        assert np.array_equal(world.simulation.base(), base) and np.array_equal(
+            world.observe(), seen
+        )
     assert not np.array_equal(places[0][1], places[1][1])
     world.simulation.close()
 
@@ -194,7 +223,9 @@ def test_a_robot_fixed_to_the_floor_is_put_back_where_it_stood(tmp_path):
 def test_a_world_sees_as_wide_as_its_robot_says():
     robot = load_robot(ROBOTS / "fetch.yaml")
     world = ApartmentWorld(empty_floor("free"), robot)
-    assert [camera.field_of_view for camera in world.cameras] == [robot.description.camera.field_of_view]
+    assert [camera.field_of_view for camera in world.cameras] == [
+        robot.description.camera.field_of_view
+    ]
     world.simulation.close()
 
 
@@ -209,5 +240,12 @@ def test_what_a_run_depends_on_is_hashed_down_to_the_urdf(tmp_path, config):
 
 
 def test_free_space_must_be_free(config):
-    with pytest.raises(ConfigError, match=r"free_space\.scenes names 'rs-stand-in', which has a file"):
-        validate(merge(config.model_dump(mode="json"), {"apartment": {"free_space": {"scenes": ["rs-stand-in"]}}}))
+    with pytest.raises(
+        ConfigError, match=r"free_space\.scenes names 'rs-stand-in', which has a file"
+    ):
+        validate(
+            merge(
+                config.model_dump(mode="json"),
+                {"apartment": {"free_space": {"scenes": ["rs-stand-in"]}}},
+            )
+        )

@@ -5,19 +5,28 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
+from sensory_commutativity.helpers import DOFS, changed
 
-from sensory_commutativity.baselines.naive import mean_and_standard_error, squared_change
-from sensory_commutativity.baselines.prediction import make_network, prediction_error
-from sensory_commutativity.baselines.transitions import Transitions, collect_transitions
-from sensory_commutativity.config import BaselinesConfig
-
-from ..helpers import DOFS, changed
+from sensory_commutativity.studies.flatland.config import BaselinesConfig
+from sensory_commutativity.studies.flatland.naive_change import (
+    mean_and_standard_error,
+    squared_change,
+)
+from sensory_commutativity.studies.flatland.prediction import make_network, prediction_error
+from sensory_commutativity.studies.flatland.transitions import Transitions, collect_transitions
 
 LENGTH, PIXELS = 5, 4
 
 
-def settings(transitions: int = 100, training: int = 50, epochs: int = 5, **other) -> BaselinesConfig:
-    return BaselinesConfig(transitions=transitions, training=training, epochs=epochs, **{"batch_size": 16, "learning_rate": 1e-3, **other})
+def settings(
+    transitions: int = 100, training: int = 50, epochs: int = 5, **other
+) -> BaselinesConfig:
+    return BaselinesConfig(
+        transitions=transitions,
+        training=training,
+        epochs=epochs,
+        **{"batch_size": 16, "learning_rate": 1e-3, **other},
+    )
 
 
 def random_transitions(sequences: int = 20, seed: int = 0) -> Transitions:
@@ -31,14 +40,29 @@ def random_transitions(sequences: int = 20, seed: int = 0) -> Transitions:
 
 def test_squared_change_by_hand():
     observations = np.zeros((2, 3, 1, 3), np.uint8)
-    observations[0, :, 0] = [(0, 0, 0), (1, 0, 2), (1, 0, 0)]  # squares 1 0 4, then 0 0 4: mean 9 / 6
-    observations[1, :, 0] = [(0, 0, 0), (255, 255, 255), (0, 0, 0)]  # up and down, and no wrapping of bytes
-    assert squared_change(Transitions(observations, np.zeros((2, 2, 8), np.float32))).tolist() == [1.5, 255.0**2]
+    observations[0, :, 0] = [
+        (0, 0, 0),
+        (1, 0, 2),
+        (1, 0, 0),
+    ]  # squares 1 0 4, then 0 0 4: mean 9 / 6
+    observations[1, :, 0] = [
+        (0, 0, 0),
+        (255, 255, 255),
+        (0, 0, 0),
+    ]  # up and down, and no wrapping of bytes
+    assert squared_change(Transitions(observations, np.zeros((2, 2, 8), np.float32))).tolist() == [
+        1.5,
+        255.0**2,
+    ]
 
 
 def test_no_change():
     observations = np.full((3, 6, 4, 3), 77, np.uint8)
-    assert squared_change(Transitions(observations, np.zeros((3, 5, 8), np.float32))).tolist() == [0, 0, 0]
+    assert squared_change(Transitions(observations, np.zeros((3, 5, 8), np.float32))).tolist() == [
+        0,
+        0,
+        0,
+    ]
 
 
 def test_mean_and_standard_error_by_hand():
@@ -63,7 +87,11 @@ def test_the_standard_error_covers():
 def test_the_network_is_the_paper_s():
     """Two hidden layers with as many neurons as inputs (appendix A)."""
     layers = [layer for layer in make_network(200, 192) if isinstance(layer, torch.nn.Linear)]
-    assert [(layer.in_features, layer.out_features) for layer in layers] == [(200, 200), (200, 200), (200, 192)]
+    assert [(layer.in_features, layer.out_features) for layer in layers] == [
+        (200, 200),
+        (200, 200),
+        (200, 192),
+    ]
 
 
 def test_equal_seeds_give_equal_errors():
@@ -74,7 +102,9 @@ def test_equal_seeds_give_equal_errors():
     torch.rand(100)
     before = torch.get_rng_state()
     assert np.array_equal(first, prediction_error(transitions, settings(), 1))
-    assert torch.equal(torch.get_rng_state(), before)  # the global generator is neither used nor changed
+    assert torch.equal(
+        torch.get_rng_state(), before
+    )  # the global generator is neither used nor changed
 
 
 @pytest.mark.parametrize(("training", "tested"), [(50, 10), (75, 5), (95, 1)])
@@ -106,7 +136,9 @@ def test_training_sequences_do_teach():
 
 
 def test_what_never_changes_is_foreseen():
-    observations = np.broadcast_to(np.arange(12, dtype=np.uint8).reshape(PIXELS, 3) * 20, (40, LENGTH + 1, PIXELS, 3)).copy()
+    observations = np.broadcast_to(
+        np.arange(12, dtype=np.uint8).reshape(PIXELS, 3) * 20, (40, LENGTH + 1, PIXELS, 3)
+    ).copy()
     constant = Transitions(observations, random_transitions(40).actions)
     errors = prediction_error(constant, settings(200, 150, epochs=150, learning_rate=3e-3), 0)
     assert errors.max() < 30  # of 255 squared: about five levels
@@ -121,14 +153,20 @@ def test_what_the_action_decides_is_foreseen():
     actions[:, :, 0] = np.sign(rng.uniform(-1, 1, (80, LENGTH)))
     observations = np.full((80, LENGTH + 1, PIXELS, 3), 127, np.uint8)
     observations[:, 1:] = np.where(actions[:, :, 0] > 0, 227, 27)[:, :, None, None]
-    errors = prediction_error(Transitions(observations, actions), settings(400, 300, epochs=60, learning_rate=3e-3), 0)
+    errors = prediction_error(
+        Transitions(observations, actions), settings(400, 300, epochs=60, learning_rate=3e-3), 0
+    )
     assert errors.max() < 1000 < 100**2
 
 
 def test_the_error_is_in_squared_levels():
     """Before it has learnt anything a network predicts about 0: wrong by all that there is to see."""
     observations = np.full((20, LENGTH + 1, PIXELS, 3), 200, np.uint8)
-    errors = prediction_error(Transitions(observations, np.zeros((20, LENGTH, 8), np.float32)), settings(epochs=1, learning_rate=1e-9), 0)
+    errors = prediction_error(
+        Transitions(observations, np.zeros((20, LENGTH, 8), np.float32)),
+        settings(epochs=1, learning_rate=1e-9),
+        0,
+    )
     assert errors == pytest.approx(np.full(10, 200.0**2), rel=0.4)
 
 
@@ -163,7 +201,10 @@ def test_more_transitions_begin_with_the_same(tiny_config):
 
 
 def test_transitions_come_from_the_reference_world(tiny_config):
-    transitions = collect_transitions(changed(tiny_config, reference={"world": "things-8", "agent": "slow-base"}), "base-longitudinal")
+    transitions = collect_transitions(
+        changed(tiny_config, reference={"world": "things-8", "agent": "slow-base"}),
+        "base-longitudinal",
+    )
     other = collect_transitions(tiny_config, "base-longitudinal")
     assert not np.array_equal(transitions.observations[:, 0], other.observations[:, 0])
 
@@ -174,5 +215,7 @@ def test_the_action_leads_from_one_observation_to_the_next(tiny_config):
     transitions = collect_transitions(bare, "eyelid")
     opened = 1 + 0.05 * np.cumsum(transitions.actions[:, :, 3], axis=1)  # authors: 1/20 per step
     expected = np.minimum(255, transitions.observations[:, :1] * opened[:, :, None, None])
-    assert np.abs(transitions.observations[:, 1:] - expected).max() <= 0.51  # rounded to whole levels
+    assert (
+        np.abs(transitions.observations[:, 1:] - expected).max() <= 0.51
+    )  # rounded to whole levels
     assert (transitions.observations[:, 1:] != transitions.observations[:, :1]).any()

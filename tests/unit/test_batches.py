@@ -7,9 +7,9 @@ from contextlib import suppress
 import pandas as pd
 import pytest
 
-from sensory_commutativity.batches import forget_batches, in_batches, write_in_batches
 from sensory_commutativity.seeding import generator
-from sensory_commutativity.tables import read_about, read_table
+from sensory_commutativity.storage.batches import forget_batches, in_batches, write_in_batches
+from sensory_commutativity.storage.tables import read_about, read_table
 
 TABLE = "flatland_experiments"
 
@@ -28,22 +28,35 @@ class Work:
         if self.dies_at is not None and start <= self.dies_at < stop:
             raise Killed
         self.asked.append((start, stop))
-        rows = [("room", "someone", 5, "head", i, i * 7, generator(1, i).random()) for i in range(start, stop)]
-        return pd.DataFrame(rows, columns=["world", "agent", "length", "dof", "experiment", "seed", "distance"])
+        rows = [
+            ("room", "someone", 5, "head", i, i * 7, generator(1, i).random())
+            for i in range(start, stop)
+        ]
+        return pd.DataFrame(
+            rows, columns=["world", "agent", "length", "dof", "experiment", "seed", "distance"]
+        )
 
 
 @pytest.fixture
 def run(tmp_path, tiny_config):
     """in_batches on a table file in an empty folder."""
 
-    def run(work: Work, start: int = 0, stop: int = 10, settings: str = "a", batch: int = 3, name: str = "table.parquet") -> pd.DataFrame:
+    def run(
+        work: Work,
+        start: int = 0,
+        stop: int = 10,
+        settings: str = "a",
+        batch: int = 3,
+        name: str = "table.parquet",
+    ) -> pd.DataFrame:
         return in_batches(TABLE, work, start, stop, tmp_path / name, tiny_config, settings, batch)
 
     return run
 
 
 @pytest.mark.parametrize(
-    ("start", "stop", "batch", "asked"), [(0, 10, 3, [(0, 3), (3, 6), (6, 9), (9, 10)]), (5, 9, 4, [(5, 9)]), (2, 5, 100, [(2, 5)])]
+    ("start", "stop", "batch", "asked"),
+    [(0, 10, 3, [(0, 3), (3, 6), (6, 9), (9, 10)]), (5, 9, 4, [(5, 9)]), (2, 5, 100, [(2, 5)])],
 )
 def test_batches_cover_the_units_once(run, start, stop, batch, asked):
     work = Work()
@@ -106,7 +119,7 @@ def test_batches_made_from_other_contents_are_thrown_away(tmp_path, tiny_config)
 def test_batches_of_another_version_are_thrown_away(run, monkeypatch):
     with pytest.raises(Killed):
         run(Work(dies_at=7))
-    monkeypatch.setattr("sensory_commutativity.batches.__version__", "99.0")
+    monkeypatch.setattr("sensory_commutativity.storage.batches.__version__", "99.0")
     other = Work()
     run(other)
     assert other.asked[0] == (0, 3)
@@ -167,7 +180,9 @@ def test_nothing_looks_finished_before_it_is(run, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == [".table.parquet.batches"]
 
 
-def test_a_table_is_written_with_what_is_told_of_it_and_its_batches_are_forgotten(tmp_path, tiny_config):
+def test_a_table_is_written_with_what_is_told_of_it_and_its_batches_are_forgotten(
+    tmp_path, tiny_config
+):
     out = tmp_path / "table.parquet"
     with pytest.raises(Killed):
         write_in_batches(TABLE, Work(dies_at=7), 0, 10, out, tiny_config, "", 3)

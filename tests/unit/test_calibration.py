@@ -9,7 +9,11 @@ import pytest
 from scipy.stats import binom
 from statsmodels.stats.weightstats import ttest_ind
 
-from sensory_commutativity.statistics.calibration import binomial_band, resampled_rejections, split_rejections
+from sensory_commutativity.statistics.calibration import (
+    binomial_band,
+    resampled_rejections,
+    split_rejections,
+)
 from sensory_commutativity.statistics.groups import welch
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -24,10 +28,15 @@ def rng(seed: int = 0) -> np.random.Generator:
 def test_rejections_are_those_of_random_halves(n, seed, alpha):
     """Against the share among all ways to cut the values in two."""
     values = rng(seed).exponential(1, n)
-    p = [ttest_ind(values[list(i)], np.delete(values, i), usevar="unequal")[1] for i in combinations(range(n), n // 2)]
+    p = [
+        ttest_ind(values[list(i)], np.delete(values, i), usevar="unequal")[1]
+        for i in combinations(range(n), n // 2)
+    ]
     share = np.mean(np.array(p) < alpha)
     assert 0 < share < 0.5
-    assert split_rejections(values, 4000, alpha, rng()) / 4000 == pytest.approx(share, abs=0.02 if alpha > 0.1 else 0.01)
+    assert split_rejections(values, 4000, alpha, rng()) / 4000 == pytest.approx(
+        share, abs=0.02 if alpha > 0.1 else 0.01
+    )
 
 
 def test_the_level_is_kept():
@@ -45,13 +54,17 @@ def test_variances_are_not_pooled():
 
 
 def test_equal_values_are_never_rejected():
-    assert split_rejections([0.1] * 7, 500, 0.99, rng()) == 0  # rounded means of three and of four differ
+    assert (
+        split_rejections([0.1] * 7, 500, 0.99, rng()) == 0
+    )  # rounded means of three and of four differ
     assert split_rejections([0.3] * 30, 500, 0.99, rng()) == 0
 
 
 def test_constant_halves():
     """Of the six ways to halve 0, 0, 1, 1, two have constant halves that differ: p 0. The others have equal means: p 1."""
-    assert split_rejections([0, 0, 1, 1], 3000, 0.001, rng()) / 3000 == pytest.approx(1 / 3, abs=0.03)
+    assert split_rejections([0, 0, 1, 1], 3000, 0.001, rng()) / 3000 == pytest.approx(
+        1 / 3, abs=0.03
+    )
 
 
 def test_values_are_left_alone_and_equal_generators_agree():
@@ -61,7 +74,9 @@ def test_values_are_left_alone_and_equal_generators_agree():
     assert (values == before).all()
 
 
-@pytest.mark.parametrize(("alpha", "n", "confidence"), [(0.05, 2000, 0.95), (0.3, 50, 0.8), (0.001, 100, 0.99)])
+@pytest.mark.parametrize(
+    ("alpha", "n", "confidence"), [(0.05, 2000, 0.95), (0.3, 50, 0.8), (0.001, 100, 0.99)]
+)
 def test_binomial_band(alpha, n, confidence):
     low, high = binomial_band(alpha, n, confidence)
     rates = rng().binomial(n, alpha, 20_000) / n
@@ -96,7 +111,11 @@ def test_resampled_groups_of_normal_values_reject_at_the_level():
     """Welch's test is right for normal values, nearly so for their empirical distribution."""
     values = np.random.default_rng(0).normal(size=60)
     low, high = binomial_band(0.05, 20_000, confidence=0.9999)
-    assert low - 0.003 < resampled_rejections(values, 20_000, 0.05, np.random.default_rng(1)) / 20_000 < high + 0.003
+    assert (
+        low - 0.003
+        < resampled_rejections(values, 20_000, 0.05, np.random.default_rng(1)) / 20_000
+        < high + 0.003
+    )
 
 
 def test_resampled_groups_are_as_large_as_the_values_and_independent():
@@ -104,8 +123,14 @@ def test_resampled_groups_are_as_large_as_the_values_and_independent():
     values, n = np.array([0.0, 0.0, 0.0, 1.0, 1.0]), 5
     groups = [np.repeat([0.0, 1.0], [n - k, k]) for k in range(n + 1)]
     chance = binom.pmf(range(n + 1), n, 0.4)
-    expected = sum(chance[a] * chance[b] * (welch(groups[a], groups[b]).p < 0.2) for a in range(n + 1) for b in range(n + 1))
-    assert resampled_rejections(values, 40_000, 0.2, rng()) / 40_000 == pytest.approx(expected, abs=0.01)
+    expected = sum(
+        chance[a] * chance[b] * (welch(groups[a], groups[b]).p < 0.2)
+        for a in range(n + 1)
+        for b in range(n + 1)
+    )
+    assert resampled_rejections(values, 40_000, 0.2, rng()) / 40_000 == pytest.approx(
+        expected, abs=0.01
+    )
 
 
 def test_resampled_equal_values_are_never_rejected():

@@ -40,7 +40,9 @@ def write(of: pymunk.Body, channel: chipmunk.Channel, values) -> None:
 def test_pose_and_velocity_are_read(state):
     of = body(state)
     found = read(of, chipmunk.Channel(chipmunk.POSE_AND_VELOCITY))
-    assert found.tolist() == [*of.position, of.angle, *of.velocity, of.angular_velocity] == list(state)
+    assert (
+        found.tolist() == [*of.position, of.angle, *of.velocity, of.angular_velocity] == list(state)
+    )
 
 
 @given(six, st.tuples(*[numbers] * 5))
@@ -105,7 +107,9 @@ def crowd(rng: np.random.Generator) -> tuple[pymunk.Space, list[pymunk.Body]]:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_step_is_pymunk_s_step(seed):
-    (space, bodies), (public, public_bodies) = (crowd(np.random.default_rng(seed)) for _ in range(2))
+    (space, bodies), (public, public_bodies) = (
+        crowd(np.random.default_rng(seed)) for _ in range(2)
+    )
     for _ in range(50):
         chipmunk.STEP(chipmunk.space_address(space), 0.25)
         public.step(0.25)
@@ -113,7 +117,9 @@ def test_a_step_is_pymunk_s_step(seed):
         assert (*ours.position, ours.angle, *ours.velocity, ours.angular_velocity) == (
             *theirs.position, theirs.angle, *theirs.velocity, theirs.angular_velocity,
         )  # fmt: skip
-    assert not np.allclose([b.position for b in bodies], [b.position for b in crowd(np.random.default_rng(seed))[1]])
+    assert not np.allclose(
+        [b.position for b in bodies], [b.position for b in crowd(np.random.default_rng(seed))[1]]
+    )
 
 
 def test_a_written_force_acts_in_the_next_step():

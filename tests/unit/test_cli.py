@@ -11,13 +11,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 import yaml
+from sensory_commutativity.helpers import DEFAULT, DOFS, ROOT, changed
 
 from sensory_commutativity import cli
-from sensory_commutativity.config import json_schema, load
-from sensory_commutativity.stages.flatland_experiments import run_experiments
-from sensory_commutativity.tables import read_table
-
-from ..helpers import DEFAULT, DOFS, ROOT, changed
+from sensory_commutativity.storage.tables import read_table
+from sensory_commutativity.studies.flatland.tables.flatland_experiments import run_experiments
+from sensory_commutativity.studies.loading import json_schema, load
 
 PROGRAM = str(Path(sys.executable).parent / "sensory-commutativity")
 PREFIX = "sensory-commutativity: error: "
@@ -34,7 +33,9 @@ class Said:
 def cli_run(monkeypatch, capsys, tmp_path):
     """The entry point, called in this process, in an empty folder."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys.modules["__main__"], "__package__", None)  # so that click takes the program's name from argv, not "pytest"
+    monkeypatch.setattr(
+        sys.modules["__main__"], "__package__", None
+    )  # so that click takes the program's name from argv, not "pytest"
 
     def call(*arguments: str) -> Said:
         monkeypatch.setattr(sys, "argv", [PROGRAM, *map(str, arguments)])
@@ -84,7 +85,9 @@ def test_help_lists_all_commands(cli_run):
 def test_no_arguments_show_the_help(cli_run):
     said = cli_run()
     assert said.code in (0, 2)
-    assert "\n  flatland-scp " in said.out + said.err  # as it is laid out, not squeezed into one line
+    assert (
+        "\n  flatland-scp " in said.out + said.err
+    )  # as it is laid out, not squeezed into one line
     assert PREFIX not in said.err
 
 
@@ -134,7 +137,9 @@ ERRORS = {
     PART.replace("1/2", "1/1"): "the configuration cuts this work into 2 parts, not 1; give I/2",
     PART.replace("1/2", "1/9"): "not 9; give I/2",
     PART.replace(" --part 1/2", ""): "Missing option '--part'",
-    PART.replace("--agent polyphemus", "--agent nobody"): "agent 'nobody', length 4; it has: furnished polyphemus 4; ",
+    PART.replace(
+        "--agent polyphemus", "--agent nobody"
+    ): "agent 'nobody', length 4; it has: furnished polyphemus 4; ",
     PART.replace("--length 4", "--length 5"): "length 5; it has: ",
     PART.replace("--length 4", "--length 0"): "0 is not in the range",
     PART.replace("--length 4", "--length x"): "'x' is not a valid integer",
@@ -176,9 +181,19 @@ def test_an_error_of_ours_is_not_hidden(cli_run, monkeypatch, tiny_config_file):
     def fail(*_):
         raise ZeroDivisionError
 
-    monkeypatch.setattr("sensory_commutativity.stages.flatland_scp.write_scp", fail)
+    monkeypatch.setattr(
+        "sensory_commutativity.studies.flatland.tables.flatland_scp.write_scp", fail
+    )
     with pytest.raises(ZeroDivisionError):
-        cli_run("flatland-scp", "--config", tiny_config_file, "--flatland-experiments", "x", "--out", "y")
+        cli_run(
+            "flatland-scp",
+            "--config",
+            tiny_config_file,
+            "--flatland-experiments",
+            "x",
+            "--out",
+            "y",
+        )
 
 
 def test_results_that_cannot_be_written_are_noticed_by_check(cli_run, tmp_path):
@@ -193,7 +208,13 @@ def test_results_that_cannot_be_written_are_noticed_by_check(cli_run, tmp_path):
 
 
 def program(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=60, env={**os.environ, **environment})
+    return subprocess.run(
+        [PROGRAM, *arguments],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        env={**os.environ, **environment},
+    )
 
 
 def test_the_installed_program_reports_errors_so():
@@ -216,8 +237,15 @@ def test_starting_up_imports_nothing_heavy():
 
 def test_one_thread_unless_told():
     code = "import os, sensory_commutativity.cli; print(os.environ['OMP_NUM_THREADS'], os.environ['MKL_NUM_THREADS'])"
-    environment = {key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")}
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env={**environment, "MKL_NUM_THREADS": "3"})
+    environment = {
+        key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")
+    }
+    run = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        env={**environment, "MKL_NUM_THREADS": "3"},
+    )
     assert run.stdout.split() == ["1", "3"]
 
 
@@ -230,25 +258,34 @@ def test_check_says_what_would_be_done(cli_run, monkeypatch):
     assert said.code in (0, None)
     config = load(DEFAULT, ROOT / "config" / "test.yaml")
     n = sum(run.experiments for run in config.flatland.runs())
-    assert f"profile test: SC-experiments of each degree of freedom: {n:,} in {len(config.flatland.runs())} runs in Flatland" in said.out
+    assert (
+        f"profile test: SC-experiments of each degree of freedom: {n:,} in {len(config.flatland.runs())} runs in Flatland"
+        in said.out
+    )
     assert f"in {len(config.apartment.runs())} runs in apartments" in said.out
     assert "results/test" in said.out
 
 
 def test_resolve_is_a_round_trip(cli_run, tmp_path):
     out, again = tmp_path / "new" / "config.yaml", tmp_path / "again.yaml"
-    (tmp_path / "mine.yaml").write_text("profile: mine\nflatland: {agents: {giraffe: {arm_length: 120.0}}}\n")
+    (tmp_path / "mine.yaml").write_text(
+        "profile: mine\nflatland: {agents: {giraffe: {arm_length: 120.0}}}\n"
+    )
     assert cli_run("resolve", str(DEFAULT), "mine.yaml", "--out", str(out)).code in (0, None)
     assert load(out) == load(DEFAULT, "mine.yaml")
     written = yaml.safe_load(out.read_text())
-    assert written["flatland"]["agents"]["polyphemus"]["arm_length"] == 50.0  # defaults are filled in
+    assert (
+        written["flatland"]["agents"]["polyphemus"]["arm_length"] == 50.0
+    )  # defaults are filled in
     assert written["flatland"]["agents"]["giraffe"]["arm_length"] == 120.0
     cli_run("resolve", str(out), "--out", str(again))
     assert again.read_bytes() == out.read_bytes()
 
 
 def test_rooms_that_are_too_full_are_noticed_by_check(cli_run, tmp_path):
-    (tmp_path / "mine.yaml").write_text("flatland: {worlds: {furnished: {things: 24, width: 200.0, height: 300.0, start_margin: 90.0}}}\n")
+    (tmp_path / "mine.yaml").write_text(
+        "flatland: {worlds: {furnished: {things: 24, width: 200.0, height: 300.0, start_margin: 90.0}}}\n"
+    )
     said = cli_run("check", str(DEFAULT), "mine.yaml")
     assert said.code == 2
     assert said.err.count("\n") == 1
@@ -257,7 +294,9 @@ def test_rooms_that_are_too_full_are_noticed_by_check(cli_run, tmp_path):
 
 def test_schema_writes_the_schema(cli_run, tmp_path):
     assert cli_run("schema", "--out", "schema.json").code in (0, None)
-    assert json.loads((tmp_path / "schema.json").read_text()) == json.loads(json.dumps(json_schema()))
+    assert json.loads((tmp_path / "schema.json").read_text()) == json.loads(
+        json.dumps(json_schema())
+    )
 
 
 # ---- stages by hand --------------------------------------------------------------------------------------------------------
@@ -265,30 +304,79 @@ def test_schema_writes_the_schema(cli_run, tmp_path):
 
 def test_parts_of_the_experiments_by_hand(cli_run, tmp_path, tiny_config, tiny_config_file):
     """Five experiments, three to a job: two parts; then the table, then its SCP."""
-    where = ["--config", tiny_config_file, "--world", "furnished", "--agent", "polyphemus", "--length", "4"]
+    where = [
+        "--config",
+        tiny_config_file,
+        "--world",
+        "furnished",
+        "--agent",
+        "polyphemus",
+        "--length",
+        "4",
+    ]
     for part in (1, 2):
-        said = cli_run("flatland-experiments-part", *where, "--part", f"{part}/2", "--out", f"{part}.parquet")
+        said = cli_run(
+            "flatland-experiments-part", *where, "--part", f"{part}/2", "--out", f"{part}.parquet"
+        )
         assert said.code in (0, None), said.err
-    assert cli_run("flatland-experiments", "--config", tiny_config_file, "1.parquet", "2.parquet", "--out", "all.parquet").code in (0, None)
+    assert cli_run(
+        "flatland-experiments",
+        "--config",
+        tiny_config_file,
+        "1.parquet",
+        "2.parquet",
+        "--out",
+        "all.parquet",
+    ).code in (0, None)
     frame = read_table("flatland_experiments", tmp_path / "all.parquet")
     expected = run_experiments(tiny_config, tiny_config.flatland.runs()[0], 0, 5)
     assert frame.equals(expected)
     assert frame["experiment"].unique().tolist() == [0, 1, 2, 3, 4]
-    said = cli_run("flatland-scp", "--config", tiny_config_file, "--flatland-experiments", "all.parquet", "--out", "scp.parquet")
+    said = cli_run(
+        "flatland-scp",
+        "--config",
+        tiny_config_file,
+        "--flatland-experiments",
+        "all.parquet",
+        "--out",
+        "scp.parquet",
+    )
     assert said.code in (0, None)
     scp = read_table("flatland_scp", tmp_path / "scp.parquet")
     assert scp["dof"].unique().tolist() == DOFS
     assert (scp["n"] == 5).all()
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["1.parquet", "2.parquet", "all.parquet", "scp.parquet"]  # no batches left
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "1.parquet",
+        "2.parquet",
+        "all.parquet",
+        "scp.parquet",
+    ]  # no batches left
 
 
 def test_jobs_of_another_size_give_the_same(cli_run, tmp_path, tiny_config, tiny_config_file):
     whole = tmp_path / "whole.yaml"
-    whole.write_text(yaml.safe_dump(changed(tiny_config, experiments_per_job=1000).model_dump(mode="json")))
-    parts = [(tiny_config_file, "1/3"), (tiny_config_file, "2/3"), (tiny_config_file, "3/3"), (str(whole), "1/1")]
+    whole.write_text(
+        yaml.safe_dump(changed(tiny_config, experiments_per_job=1000).model_dump(mode="json"))
+    )
+    parts = [
+        (tiny_config_file, "1/3"),
+        (tiny_config_file, "2/3"),
+        (tiny_config_file, "3/3"),
+        (str(whole), "1/1"),
+    ]
     frames = []
     for i, (config, part) in enumerate(parts):
-        said = cli_run("flatland-commutation-part", "--config", config, "--world", "settled", "--part", part, "--out", f"{i}.parquet")
+        said = cli_run(
+            "flatland-commutation-part",
+            "--config",
+            config,
+            "--world",
+            "settled",
+            "--part",
+            part,
+            "--out",
+            f"{i}.parquet",
+        )
         assert said.code in (0, None), said.err
         frames.append(read_table("flatland_commutation_experiments", tmp_path / f"{i}.parquet"))
     assert set(frames[3]["world"]) == {"settled"}

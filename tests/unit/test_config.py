@@ -13,11 +13,19 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+from sensory_commutativity.helpers import DEFAULT, ROOT, changed
 
-from sensory_commutativity.config import Config, Run, joint_range, json_schema, load, merge, validate, write_resolved
 from sensory_commutativity.errors import ConfigError, UserError
-
-from ..helpers import DEFAULT, ROOT, changed
+from sensory_commutativity.studies.config import Config
+from sensory_commutativity.studies.flatland.config import Run
+from sensory_commutativity.studies.loading import (
+    joint_range,
+    json_schema,
+    load,
+    merge,
+    validate,
+    write_resolved,
+)
 
 ABSENT = object()
 LAID_OVER = sorted(p for p in (ROOT / "config").glob("*.yaml") if p != DEFAULT)
@@ -41,8 +49,18 @@ WRONG = [
     # unknown keys, with and without a likely meaning
     ("sede", 1, "sede", "did you mean 'seed'?"),
     ("flatland/sequence_lenght", 50, "flatland.sequence_lenght", "did you mean 'sequence_length'?"),
-    ("flatland/worlds/furnished/thing", 3, "flatland.worlds.furnished.thing", "did you mean 'things'?"),
-    ("flatland/agents/polyphemus/arm_lenght", 3.0, "flatland.agents.polyphemus.arm_lenght", "did you mean 'arm_length'?"),
+    (
+        "flatland/worlds/furnished/thing",
+        3,
+        "flatland.worlds.furnished.thing",
+        "did you mean 'things'?",
+    ),
+    (
+        "flatland/agents/polyphemus/arm_lenght",
+        3.0,
+        "flatland.agents.polyphemus.arm_lenght",
+        "did you mean 'arm_length'?",
+    ),
     ("flatland/baselines/epoch", 3, "flatland.baselines.epoch", "did you mean 'epochs'?"),
     ("flatland/reference/zzz", 3, "flatland.reference.zzz", "world, agent, experiments"),
     ("flatland/sensitivity/length", [5], "flatland.sensitivity.length", "did you mean 'lengths'?"),
@@ -93,21 +111,51 @@ WRONG = [
     ("flatland/agents/Big", {}, "flatland.agents.Big", "pattern"),
     ("flatland/agents/polyphemus/arm_length", 0, "flatland.agents.polyphemus.arm_length", "got 0"),
     ("flatland/agents/polyphemus/arm_length", 151, "flatland.agents.polyphemus.arm_length", "150"),
-    ("flatland/agents/polyphemus/longitudinal_speed", 0.0, "flatland.agents.polyphemus.longitudinal_speed", "got 0.0"),
-    ("flatland/agents/polyphemus/angular_speed", 0.6, "flatland.agents.polyphemus.angular_speed", "got 0.6"),
-    ("flatland/agents/polyphemus/joint_range_degrees", 0, "flatland.agents.polyphemus.joint_range_degrees", "got 0"),
-    ("flatland/agents/polyphemus/joint_range_degrees", 361, "flatland.agents.polyphemus.joint_range_degrees", "360"),
+    (
+        "flatland/agents/polyphemus/longitudinal_speed",
+        0.0,
+        "flatland.agents.polyphemus.longitudinal_speed",
+        "got 0.0",
+    ),
+    (
+        "flatland/agents/polyphemus/angular_speed",
+        0.6,
+        "flatland.agents.polyphemus.angular_speed",
+        "got 0.6",
+    ),
+    (
+        "flatland/agents/polyphemus/joint_range_degrees",
+        0,
+        "flatland.agents.polyphemus.joint_range_degrees",
+        "got 0",
+    ),
+    (
+        "flatland/agents/polyphemus/joint_range_degrees",
+        361,
+        "flatland.agents.polyphemus.joint_range_degrees",
+        "360",
+    ),
     ("flatland/worlds/furnished/things", -1, "flatland.worlds.furnished.things", "got -1"),
     ("flatland/worlds/furnished/things", 25, "flatland.worlds.furnished.things", "24"),
     ("flatland/worlds/furnished/width", 100, "flatland.worlds.furnished.width", "200"),
     ("flatland/worlds/furnished/height", 5001, "flatland.worlds.furnished.height", "5000"),
     ("flatland/worlds/furnished/start_margin", 39, "flatland.worlds.furnished.start_margin", "40"),
-    ("flatland/worlds/furnished/path_speed", -0.1, "flatland.worlds.furnished.path_speed", "got -0.1"),
+    (
+        "flatland/worlds/furnished/path_speed",
+        -0.1,
+        "flatland.worlds.furnished.path_speed",
+        "got -0.1",
+    ),
     ("flatland/reference/experiments", 1, "flatland.reference.experiments", "got 1"),
     ("flatland/free_space/agents", [], "flatland.free_space.agents", "at least 1"),
     ("flatland/sensitivity/lengths", [], "flatland.sensitivity.lengths", "at least 1"),
     ("flatland/sensitivity/lengths", [10, 0], "flatland.sensitivity.lengths.1", "got 0"),
-    ("flatland/commutation/settled_rest_steps", -1, "flatland.commutation.settled_rest_steps", "got -1"),
+    (
+        "flatland/commutation/settled_rest_steps",
+        -1,
+        "flatland.commutation.settled_rest_steps",
+        "got -1",
+    ),
     ("flatland/baselines/batch_size", 0, "flatland.baselines.batch_size", "got 0"),
     ("flatland/baselines/learning_rate", 0, "flatland.baselines.learning_rate", "got 0"),
     ("flatland/baselines/epochs", 0, "flatland.baselines.epochs", "got 0"),
@@ -118,12 +166,22 @@ WRONG = [
     ("results", "two\nlines", "results", "pattern"),
     # what YAML has and JSON has not
     ("seed", math.nan, "seed", "not a finite number"),
-    ("flatland/agents/polyphemus/arm_length", math.inf, "flatland.agents.polyphemus.arm_length", "not a finite number"),
+    (
+        "flatland/agents/polyphemus/arm_length",
+        math.inf,
+        "flatland.agents.polyphemus.arm_length",
+        "not a finite number",
+    ),
     ("flatland/thresholds", [0.0, -math.inf], "flatland.thresholds.1", "not a finite number"),
     ("profile", datetime.date(2020, 1, 1), "profile", "put it in quotes"),
     ("flatland/agents", {2: {}}, "flatland.agents", "the key 2 is no text"),
     # several keys that do not go together
-    ("flatland/worlds/furnished/start_margin", 300, "flatland.worlds.furnished", "start_margin 300 leaves no place"),
+    (
+        "flatland/worlds/furnished/start_margin",
+        300,
+        "flatland.worlds.furnished",
+        "start_margin 300 leaves no place",
+    ),
     ("flatland/worlds/furnished/width", 300.0, "flatland.worlds.furnished", "set it below 150"),
     ("flatland/reference/world", "nowhere", "reference.world", "choose one of furnished, "),
     ("flatland/reference/agent", "nobody", "reference.agent", "choose one of polyphemus, "),
@@ -132,10 +190,20 @@ WRONG = [
     ("flatland/combinations/worlds", ["things-0", "things-0"], "combinations.worlds", "twice"),
     ("flatland/free_space/worlds", ["furnished"], "free_space.worlds", "walls: false"),
     ("flatland/free_space/worlds", ["things-0"], "free_space.worlds", "walls"),
-    ("flatland/variants/agents", ["polyphemus"], "flatland", "'polyphemus' in 'furnished' is asked for by two sections"),
+    (
+        "flatland/variants/agents",
+        ["polyphemus"],
+        "flatland",
+        "'polyphemus' in 'furnished' is asked for by two sections",
+    ),
     ("flatland/sensitivity/lengths", [10, 50], "sensitivity.lengths", "main sequence_length 50"),
     ("flatland/sensitivity/lengths", [10, 10], "sensitivity.lengths", "twice"),
-    ("flatland/sensitivity/experiments", 1001, "sensitivity.experiments", "more than reference.experiments 1000"),
+    (
+        "flatland/sensitivity/experiments",
+        1001,
+        "sensitivity.experiments",
+        "more than reference.experiments 1000",
+    ),
     ("flatland/thresholds", [0.0, 1.0, 1.0], "thresholds", "twice"),
     ("flatland/thresholds", [1.0, 10.0], "thresholds", "must hold 0.0"),
     ("flatland/baselines/training", 10_000, "flatland.baselines", "training 10000 leaves none"),
@@ -143,12 +211,19 @@ WRONG = [
     ("flatland/baselines/transitions", 10_010, "baselines.transitions", "multiples"),
     ("flatland/commutation/settled_world", "nowhere", "commutation.settled_world", "'nowhere'"),
     ("flatland/commutation/settled_world", "furnished", "commutation.settled_world", "path_speed"),
-    ("flatland/commutation/settled_world", "things-4", "commutation.settled_world", "path_speed: 0.0"),
+    (
+        "flatland/commutation/settled_world",
+        "things-4",
+        "commutation.settled_world",
+        "path_speed: 0.0",
+    ),
 ]
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "names", "says"), WRONG, ids=[f"{key}={'ABSENT' if value is ABSENT else value!r:.30}" for key, value, *_ in WRONG]
+    ("key", "value", "names", "says"),
+    WRONG,
+    ids=[f"{key}={'ABSENT' if value is ABSENT else value!r:.30}" for key, value, *_ in WRONG],
 )
 def test_a_wrong_setting_is_refused_in_one_line(default_settings, key, value, names, says):
     validate(default_settings)  # as it stands it is right
@@ -214,7 +289,10 @@ def test_every_profile_loads_over_the_default_one(file, default_config):
 def test_the_paper_profile_has_the_paper_s_sizes():
     flatland = load(DEFAULT, ROOT / "config" / "paper.yaml").flatland
     assert flatland.reference.experiments == 10_000  # section III-B
-    assert (flatland.baselines.transitions, flatland.baselines.training) == (100_000, 80_000)  # appendix A
+    assert (flatland.baselines.transitions, flatland.baselines.training) == (
+        100_000,
+        80_000,
+    )  # appendix A
 
 
 def test_a_config_cannot_be_changed(default_config):
@@ -225,7 +303,10 @@ def test_a_config_cannot_be_changed(default_config):
 def test_runs_are_all_experiments_in_order(tiny_config):
     runs = tiny_config.flatland.runs()
     assert runs[0] == Run("furnished", "polyphemus", 4, 5)
-    assert runs[1:3] == [Run("free-space", "polyphemus", 4, 3), Run("free-space", "joint-stops", 4, 3)]
+    assert runs[1:3] == [
+        Run("free-space", "polyphemus", 4, 3),
+        Run("free-space", "joint-stops", 4, 3),
+    ]
     assert runs[-2:] == [Run("furnished", "polyphemus", 2, 3), Run("furnished", "polyphemus", 6, 3)]
     assert len(runs) == 1 + 2 + 4 * 2 + 3 + 2
     assert len({run[:3] for run in runs}) == len(runs)
@@ -233,10 +314,15 @@ def test_runs_are_all_experiments_in_order(tiny_config):
 
 @pytest.mark.parametrize(("per_job", "expected"), [(1, 1), (9, 1), (10, 1), (25, 2), (1000, 100)])
 def test_commutation_jobs_are_a_tenth(tiny_config, per_job, expected):
-    assert changed(tiny_config, experiments_per_job=per_job).flatland.commutation_per_job == expected
+    assert (
+        changed(tiny_config, experiments_per_job=per_job).flatland.commutation_per_job == expected
+    )
 
 
-@pytest.mark.parametrize(("per_job", "jobs", "commutation_jobs"), [(1, 5, 3), (2, 3, 3), (5, 1, 3), (20, 1, 2), (1000, 1, 1)])
+@pytest.mark.parametrize(
+    ("per_job", "jobs", "commutation_jobs"),
+    [(1, 5, 3), (2, 3, 3), (5, 1, 3), (20, 1, 2), (1000, 1, 1)],
+)
 def test_jobs_hold_all_experiments(tiny_config, per_job, jobs, commutation_jobs):
     flatland = changed(tiny_config, experiments_per_job=per_job).flatland
     assert flatland.n_jobs(flatland.reference.experiments) == jobs
@@ -248,7 +334,10 @@ def test_commutation_worlds(tiny_config):
 
 
 def test_whole_numbers_pass_for_lengths(default_settings):
-    one, other = (validate(spoil(default_settings, "flatland/agents/polyphemus/arm_length", value)) for value in (60, 60.0))
+    one, other = (
+        validate(spoil(default_settings, "flatland/agents/polyphemus/arm_length", value))
+        for value in (60, 60.0)
+    )
     assert one == other
     assert one.digest() == other.digest()
 
@@ -270,7 +359,9 @@ def test_the_digest_does_not_depend_on_the_order_of_keys(default_settings, defau
     assert len(other.digest()) == 64
 
 
-def test_the_digest_does_not_depend_on_whether_a_default_is_written(default_settings, default_config):
+def test_the_digest_does_not_depend_on_whether_a_default_is_written(
+    default_settings, default_config
+):
     written = validate(spoil(default_settings, "flatland/agents/polyphemus/arm_length", 50.0))
     assert written.digest() == default_config.digest()
     everything = validate(default_config.model_dump(mode="json"))
@@ -279,7 +370,13 @@ def test_the_digest_does_not_depend_on_whether_a_default_is_written(default_sett
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("seed", 2), ("profile", "other"), ("flatland/rest_steps", 4), ("flatland/thresholds", [0.0]), ("flatland/worlds/things-4/things", 5)],
+    [
+        ("seed", 2),
+        ("profile", "other"),
+        ("flatland/rest_steps", 4),
+        ("flatland/thresholds", [0.0]),
+        ("flatland/worlds/things-4/things", 5),
+    ],
 )
 def test_the_digest_depends_on_every_setting(default_settings, default_config, key, value):
     assert validate(spoil(default_settings, key, value)).digest() != default_config.digest()
@@ -316,7 +413,10 @@ def test_files_are_laid_over_one_another(tmp_path, default_config):
         ("seed: 2020-01-01\n", "config.seed: datetime.date(2020, 1, 1) is a date"),
         ("seed: .nan\n", "config.seed: nan is not a finite number"),
         ("1: 2\n", "the key 1 is no text"),
-        ("seed: 1e3\n", "got '1e3'; write numbers without quotes and as 0.001 or 1.0e-3"),  # a text, as far as YAML is concerned
+        (
+            "seed: 1e3\n",
+            "got '1e3'; write numbers without quotes and as 0.001 or 1.0e-3",
+        ),  # a text, as far as YAML is concerned
     ],
 )
 def test_a_broken_file_is_named(tmp_path, text, says):
@@ -347,7 +447,9 @@ def test_write_resolved_is_a_round_trip(tmp_path, default_config):
     file = tmp_path / "new" / "config.yaml"
     write_resolved(default_config, file)
     assert load(file) == default_config
-    assert yaml.safe_load(file.read_text())["flatland"]["agents"]["polyphemus"]["arm_length"] == 50.0  # defaults are filled in
+    assert (
+        yaml.safe_load(file.read_text())["flatland"]["agents"]["polyphemus"]["arm_length"] == 50.0
+    )  # defaults are filled in
     assert [p.name for p in file.parent.iterdir()] == ["config.yaml"]
 
 
@@ -384,7 +486,11 @@ def test_merge_by_hand(base, overlay, merged):
     assert (base, overlay) == kept
 
 
-trees = st.recursive(st.integers(0, 3), lambda inner: st.dictionaries(st.sampled_from("abc"), inner, max_size=3), max_leaves=8)
+trees = st.recursive(
+    st.integers(0, 3),
+    lambda inner: st.dictionaries(st.sampled_from("abc"), inner, max_size=3),
+    max_leaves=8,
+)
 mappings = st.dictionaries(st.sampled_from("abc"), trees, max_size=3)
 
 
@@ -404,7 +510,9 @@ def test_merge_is_a_sensible_overlay(a, b, c):
 
 def test_the_schema_file_is_up_to_date():
     """Otherwise run: sensory-commutativity schema --out config/schema.json"""
-    assert json.loads((ROOT / "config" / "schema.json").read_text()) == json.loads(json.dumps(json_schema()))
+    assert json.loads((ROOT / "config" / "schema.json").read_text()) == json.loads(
+        json.dumps(json_schema())
+    )
 
 
 def test_the_schema_describes_every_key():
@@ -414,7 +522,12 @@ def test_the_schema_describes_every_key():
     assert len(sections) == 1 + len(schema["$defs"]) > 8
     for section in sections:
         assert section["additionalProperties"] is False
-    described = [key for section in schema["$defs"].values() for key, value in section["properties"].items() if "description" in value]
+    described = [
+        key
+        for section in schema["$defs"].values()
+        for key, value in section["properties"].items()
+        if "description" in value
+    ]
     assert {"things", "arm_length", "sequence_length", "experiments", "epochs"} <= set(described)
 
 

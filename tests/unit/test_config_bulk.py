@@ -14,12 +14,13 @@ from typing import Any, NamedTuple
 
 import pytest
 import yaml
+from sensory_commutativity.helpers import DEFAULT, ROOT
 
 from sensory_commutativity import cli
-from sensory_commutativity.config import Config, json_schema, load, loading, merge, validate
-from sensory_commutativity.yamlfile import read_yaml
-
-from ..helpers import DEFAULT, ROOT
+from sensory_commutativity.storage.yamlfile import read_yaml
+from sensory_commutativity.studies import loading
+from sensory_commutativity.studies.config import Config
+from sensory_commutativity.studies.loading import json_schema, load, merge, validate
 
 PROGRAM = str(Path(sys.executable).parent / "sensory-commutativity")
 PREFIX = "sensory-commutativity: error: "
@@ -61,7 +62,11 @@ class Place(NamedTuple):
 def right() -> dict[str, Any]:
     """All settings of the default profile with every default filled in; files are named so that any folder will do."""
     text = yaml.safe_dump(load(DEFAULT).model_dump(mode="json"))
-    return yaml.safe_load(text.replace("config/robots/", f"{ROOT}/config/robots/").replace("config/apartments/", f"{ROOT}/config/apartments/"))
+    return yaml.safe_load(
+        text.replace("config/robots/", f"{ROOT}/config/robots/").replace(
+            "config/apartments/", f"{ROOT}/config/apartments/"
+        )
+    )
 
 
 def plain(schema: dict[str, Any]) -> dict[str, Any]:
@@ -69,7 +74,10 @@ def plain(schema: dict[str, Any]) -> dict[str, Any]:
     while "$ref" in schema:
         schema = SCHEMA["$defs"][schema["$ref"].rpartition("/")[2]]
     if "anyOf" in schema:
-        return {**next(plain(one) for one in schema["anyOf"] if one.get("type") != "null"), "nullable": True}
+        return {
+            **next(plain(one) for one in schema["anyOf"] if one.get("type") != "null"),
+            "nullable": True,
+        }
     return schema
 
 
@@ -83,7 +91,9 @@ def places(schema: dict[str, Any], value: Any, path: tuple[str | int, ...] = ())
             yield from places(inner, value[key], (*path, key))
     elif schema["type"] == "object" and value:
         key = next(iter(value))
-        inner = schema.get("additionalProperties") or next(iter(schema["patternProperties"].values()))
+        inner = schema.get("additionalProperties") or next(
+            iter(schema["patternProperties"].values())
+        )
         yield from places(inner, value[key], (*path, key))
     elif schema["type"] == "array" and value:
         yield from places(schema["items"], value[0], (*path, 0))
@@ -91,7 +101,10 @@ def places(schema: dict[str, Any], value: Any, path: tuple[str | int, ...] = ())
 
 def sections(right: dict[str, Any]) -> list[Place]:
     """What has keys that the schema names."""
-    return [Place((), SCHEMA, right), *(place for place in places(SCHEMA, right) if "properties" in place.schema)]
+    return [
+        Place((), SCHEMA, right),
+        *(place for place in places(SCHEMA, right) if "properties" in place.schema),
+    ]
 
 
 def spoilt(right: dict[str, Any], path: tuple[str | int, ...], value: Any) -> dict[str, Any]:
@@ -128,19 +141,30 @@ def missing(right: dict[str, Any]) -> Iterator[Wrong]:
     for section in sections(right):
         for key in section.schema.get("required", ()):
             path = (*section.path, key)
-            yield Wrong(f"without {'.'.join(map(str, path))}", without(right, path), ".".join(map(str, path)), whole=True)
+            yield Wrong(
+                f"without {'.'.join(map(str, path))}",
+                without(right, path),
+                ".".join(map(str, path)),
+                whole=True,
+            )
 
 
 def misspelt(right: dict[str, Any]) -> Iterator[Wrong]:
     for section in sections(right):
         for key in section.schema["properties"]:
-            typed = f"{key[:-2]}{key[-1]}{key[-2]}" if len(key) > 1 and key[-1] != key[-2] else f"{key}s"
+            typed = (
+                f"{key[:-2]}{key[-1]}{key[-2]}"
+                if len(key) > 1 and key[-1] != key[-2]
+                else f"{key}s"
+            )
             typed = typed if typed not in section.schema["properties"] else f"{key}_"
             path = (*section.path, typed)
             value = right
             for part in (*section.path, key):
                 value = value[part]
-            yield Wrong(".".join(map(str, path)), spoilt(right, path, value), ".".join(map(str, path)))
+            yield Wrong(
+                ".".join(map(str, path)), spoilt(right, path, value), ".".join(map(str, path))
+            )
 
 
 def of_another_type(right: dict[str, Any]) -> Iterator[Wrong]:
@@ -168,7 +192,11 @@ def beyond(schema: dict[str, Any]) -> Iterator[Any]:
     if "maxLength" in schema:
         yield "a" * (schema["maxLength"] + 1)
     if "pattern" in schema:
-        yield from ("", "a\tb", "a\n") if "~" in schema["pattern"] else ("", "Upper", "a b", "a/b", "..", "-a", "a-", "a\n", "$(a)", "ä")
+        yield from (
+            ("", "a\tb", "a\n")
+            if "~" in schema["pattern"]
+            else ("", "Upper", "a b", "a/b", "..", "-a", "a-", "a\n", "$(a)", "ä")
+        )
     if "enum" in schema:
         yield "none-of-them"
     if schema.get("minItems"):
@@ -185,10 +213,16 @@ def out_of_range(right: dict[str, Any]) -> Iterator[Wrong]:
             empty = merge(without(right, place.path), spoilt(right, place.path, {}))
             yield Wrong(f"{place.key} empty", empty, place.key, whole=True)
         if "maxItems" in place.schema:
-            yield Wrong(f"{place.key} too long", spoilt(right, place.path, place.value * (place.schema["maxItems"] + 1)), place.key)
+            yield Wrong(
+                f"{place.key} too long",
+                spoilt(right, place.path, place.value * (place.schema["maxItems"] + 1)),
+                place.key,
+            )
 
 
-INCONSISTENT: list[tuple[str, str]] = [  # a layer over the default profile, and what the message names
+INCONSISTENT: list[
+    tuple[str, str]
+] = [  # a layer over the default profile, and what the message names
     # names that are defined nowhere
     ("flatland: {reference: {world: nowhere}}", "reference.world"),
     ("flatland: {reference: {agent: nobody}}", "reference.agent"),
@@ -228,13 +262,19 @@ INCONSISTENT: list[tuple[str, str]] = [  # a layer over the default profile, and
     ("flatland: {worlds: {settled: {path_speed: 1.0}}}", "commutation.settled_world"),
     ("flatland: {worlds: {furnished: {start_margin: 300.0}}}", "flatland.worlds.furnished"),
     ("flatland: {worlds: {furnished: {width: 300.0}}}", "flatland.worlds.furnished"),
-    ("flatland: {worlds: {furnished: {things: 24, width: 200.0, height: 200.0, start_margin: 90.0}}}", "flatland.worlds.furnished"),
+    (
+        "flatland: {worlds: {furnished: {things: 24, width: 200.0, height: 200.0, start_margin: 90.0}}}",
+        "flatland.worlds.furnished",
+    ),
     ("apartment: {free_space: {scenes: [rs-stand-in]}}", "free_space.scenes"),
     ("masks: {data: {scene: free-space}}", "masks.data.scene"),
     ("masks: {tests: {scenes: [free-space]}}", "masks.tests.scenes"),
     ("masks: {map: {scene: free-space}}", "masks.map.scene"),
     ("masks: {robot: jackrabbot}", "masks.robot"),
-    ("apartment: {reference: {robot: jackrabbot}, robots_compared: {robots: [fetch]}}", "masks.robot"),
+    (
+        "apartment: {reference: {robot: jackrabbot}, robots_compared: {robots: [fetch]}}",
+        "masks.robot",
+    ),
     ("navigation: {agent: long-arms}", "flatland.variants"),
     ("navigation: {scp_world: arena}", "flatland.variants"),
     ("flatland: {variants: {agents: [slow-base]}}", "navigation needs the SCP"),
@@ -273,7 +313,10 @@ INCONSISTENT: list[tuple[str, str]] = [  # a layer over the default profile, and
     ("navigation: {threshold_return: 51.0}", "threshold_return"),
     ("navigation: {action_spaces: [full, truncated, inverse]}", "action_spaces"),
     # zones
-    ("navigation: {zones: [{x: 120.0, y: 120.0, radius: 80.0, reward: 0.0}]}", "navigation.zones.0"),
+    (
+        "navigation: {zones: [{x: 120.0, y: 120.0, radius: 80.0, reward: 0.0}]}",
+        "navigation.zones.0",
+    ),
     ("navigation: {zones: [{x: 120.0, y: 120.0, radius: 80.0, reward: -1.0}]}", "zones"),
     ("navigation: {zones: [{x: 20.0, y: 120.0, radius: 80.0, reward: 50.0}]}", "navigation.zones"),
     ("navigation: {zones: [{x: 590.0, y: 120.0, radius: 80.0, reward: 50.0}]}", "navigation.zones"),
@@ -290,7 +333,10 @@ INCONSISTENT: list[tuple[str, str]] = [  # a layer over the default profile, and
     ("apartment: {robots: {fetch: {description: gone.yaml}}}", "gone.yaml"),
     ("apartment: {robots: {fetch: {description: .}}}", "cannot be read"),
     (f"apartment: {{robots: {{fetch: {{description: {ROOT}/README.md}}}}}}", "README.md"),
-    (f"apartment: {{robots: {{fetch: {{description: {ROOT}/config/apartments/rs-stand-in.yaml}}}}}}", "rs-stand-in.yaml"),
+    (
+        f"apartment: {{robots: {{fetch: {{description: {ROOT}/config/apartments/rs-stand-in.yaml}}}}}}",
+        "rs-stand-in.yaml",
+    ),
     ("apartment: {scenes: {rs-stand-in: {file: gone.yaml}}}", "gone.yaml"),
     (f"apartment: {{scenes: {{rs-stand-in: {{file: {ROOT}/config/robots/fetch.yaml}}}}}}", "kind"),
     ("apartment: {weights: gone.npz}", "apartment.weights"),
@@ -333,9 +379,12 @@ class Tried:
         faults = {
             f"exit code {code}": code != 2,
             f"printed {out!r:.80}": bool(out),
-            f"said {err!r:.300}": not (err.startswith(PREFIX) and err.endswith("\n") and len(err.splitlines()) == 1),
+            f"said {err!r:.300}": not (
+                err.startswith(PREFIX) and err.endswith("\n") and len(err.splitlines()) == 1
+            ),
             f"does not name {key!r}: {err!r:.300}": key not in err,
-            f"took {busy:.1f} s": busy >= SECONDS,  # of its own: where other programs have the cores, a clock tells nothing
+            f"took {busy:.1f} s": busy
+            >= SECONDS,  # of its own: where other programs have the cores, a clock tells nothing
             "wrote something": self._files() != before,
         }
         self.problems += [f"{name}: {fault}" for fault, there in faults.items() if there]
@@ -345,7 +394,9 @@ class Tried:
 
     def report(self, least: int) -> None:
         busy, seconds, name = self.slowest
-        print(f"{self.count} wrong configurations; the slowest took {busy:.3f} s, {seconds:.3f} s by the clock: {name}")
+        print(
+            f"{self.count} wrong configurations; the slowest took {busy:.3f} s, {seconds:.3f} s by the clock: {name}"
+        )
         assert not self.problems, "\n".join(self.problems)
         assert self.count >= least
 
@@ -354,12 +405,21 @@ class Tried:
 def tried(monkeypatch, capsys, tmp_path, right) -> Tried:
     """With the right settings as base.yaml, which is not read anew each time: that would take longer than all else."""
     trial = Tried(monkeypatch, capsys, tmp_path, right)
-    monkeypatch.setattr(loading, "read_yaml", lambda file, *rest: trial.base if file == "base.yaml" else read_yaml(file, *rest))
+    monkeypatch.setattr(
+        loading,
+        "read_yaml",
+        lambda file, *rest: trial.base if file == "base.yaml" else read_yaml(file, *rest),
+    )
     return trial
 
 
-@pytest.mark.parametrize(("mistakes", "least"), [(missing, 40), (misspelt, 130), (of_another_type, 600), (out_of_range, 250)])
-def test_every_key_spoilt_in_turn_is_refused_in_one_line_that_names_it(right, tried, mistakes, least):
+@pytest.mark.parametrize(
+    ("mistakes", "least"),
+    [(missing, 40), (misspelt, 130), (of_another_type, 600), (out_of_range, 250)],
+)
+def test_every_key_spoilt_in_turn_is_refused_in_one_line_that_names_it(
+    right, tried, mistakes, least
+):
     validate(right)
     layer = tried.folder / "layer.yaml"
     for wrong in mistakes(right):
@@ -379,9 +439,29 @@ def test_settings_that_do_not_go_together_are_refused_in_one_line_that_names_the
 
 def test_every_constraint_of_the_models_is_among_the_mistakes():
     """So that a new kind of limit does not go untried."""
-    known = {"minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "multipleOf", "minLength", "maxLength", "pattern", "enum"}
+    known = {
+        "minimum",
+        "maximum",
+        "exclusiveMinimum",
+        "exclusiveMaximum",
+        "multipleOf",
+        "minLength",
+        "maxLength",
+        "pattern",
+        "enum",
+    }
     known |= {"minItems", "maxItems", "minProperties"}
-    shape = {"title", "description", "default", "type", "properties", "required", "additionalProperties", "patternProperties", "propertyNames"}
+    shape = {
+        "title",
+        "description",
+        "default",
+        "type",
+        "properties",
+        "required",
+        "additionalProperties",
+        "patternProperties",
+        "propertyNames",
+    }
     shape |= {"items", "anyOf", "$ref", "$defs", "$schema"}
 
     def words(schema: Any) -> Iterator[str]:
@@ -390,7 +470,9 @@ def test_every_constraint_of_the_models_is_among_the_mistakes():
             if word in ("properties", "$defs", "patternProperties"):
                 for part in inner.values():
                     yield from words(part)
-            elif word in ("items", "additionalProperties", "propertyNames") and isinstance(inner, dict):
+            elif word in ("items", "additionalProperties", "propertyNames") and isinstance(
+                inner, dict
+            ):
                 yield from words(inner)
             elif word == "anyOf":
                 for part in inner:
@@ -401,7 +483,9 @@ def test_every_constraint_of_the_models_is_among_the_mistakes():
 
 def test_every_key_of_the_models_is_walked_over(right):
     keys = {part for place in places(SCHEMA, right) for part in place.path if isinstance(part, str)}
-    assert {key for section in [SCHEMA, *SCHEMA["$defs"].values()] for key in section["properties"]} <= keys
+    assert {
+        key for section in [SCHEMA, *SCHEMA["$defs"].values()] for key in section["properties"]
+    } <= keys
     assert isinstance(validate(merge(right, {})), Config)
 
 
@@ -418,7 +502,14 @@ def test_every_key_of_the_models_is_walked_over(right):
 def test_the_installed_program_says_the_same(tmp_path, right, text, key):
     (tmp_path / "base.yaml").write_text(json.dumps(right))
     (tmp_path / "layer.yaml").write_text(text)
-    run = subprocess.run([PROGRAM, "check", "base.yaml", "layer.yaml"], cwd=tmp_path, capture_output=True, text=True, timeout=120, env=os.environ)
+    run = subprocess.run(
+        [PROGRAM, "check", "base.yaml", "layer.yaml"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env=os.environ,
+    )
     assert run.returncode == 2
     assert not run.stdout
     assert run.stderr.startswith(PREFIX) and run.stderr.count("\n") == 1 and key in run.stderr

@@ -11,12 +11,12 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sensory_commutativity.helpers import DEFAULT
 
-from sensory_commutativity.config import Config, load, validate
 from sensory_commutativity.errors import ConfigError
-from sensory_commutativity.yamlfile import DEEPEST, MOST_BYTES, MOST_VALUES, read_yaml
-
-from ..helpers import DEFAULT
+from sensory_commutativity.storage.yamlfile import DEEPEST, MOST_BYTES, MOST_VALUES, read_yaml
+from sensory_commutativity.studies.config import Config
+from sensory_commutativity.studies.loading import load, validate
 
 EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "200"))
 """Of each kind; FUZZ_EXAMPLES=5000 looks further."""
@@ -70,7 +70,23 @@ TOKENS = [
     "\n",
     "\n  ",
 ]
-TOKENS += ["---", "%YAML 1.1\n", "#", "1", "1:2", "2020-13-13", ".nan", "0x", "\t", "\0", "é", "\ud7ff", "\u2028", ", ", ": "]
+TOKENS += [
+    "---",
+    "%YAML 1.1\n",
+    "#",
+    "1",
+    "1:2",
+    "2020-13-13",
+    ".nan",
+    "0x",
+    "\t",
+    "\0",
+    "é",
+    "\ud7ff",
+    "\u2028",
+    ", ",
+    ": ",
+]
 
 
 @settings(max_examples=EXAMPLES)
@@ -87,13 +103,32 @@ def test_any_text_is_refused_in_one_line(folder, content):
 
 def paths(value: Any, path: tuple = ()) -> list[tuple]:
     """Where there is a value."""
-    inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    inner = (
+        value.items()
+        if isinstance(value, dict)
+        else enumerate(value)
+        if isinstance(value, list)
+        else ()
+    )
     return [path, *(found for key, below in inner for found in paths(below, (*path, key)))]
 
 
-scalars = st.none() | st.booleans() | st.integers() | st.integers(-(2**2000), 2**2000) | st.floats() | st.text(max_size=30) | st.dates()
+scalars = (
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.integers(-(2**2000), 2**2000)
+    | st.floats()
+    | st.text(max_size=30)
+    | st.dates()
+)
 values = st.recursive(
-    scalars, lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8) | st.integers(), inner, max_size=4), max_leaves=8
+    scalars,
+    lambda inner: (
+        st.lists(inner, max_size=4)
+        | st.dictionaries(st.text(max_size=8) | st.integers(), inner, max_size=4)
+    ),
+    max_leaves=8,
 )
 
 
@@ -102,7 +137,9 @@ def replaced(settings: Any, path: tuple, value: Any) -> Any:
         return value
     if isinstance(settings, dict):
         return {**settings, path[0]: replaced(settings[path[0]], path[1:], value)}
-    return [replaced(one, path[1:], value) if i == path[0] else one for i, one in enumerate(settings)]
+    return [
+        replaced(one, path[1:], value) if i == path[0] else one for i, one in enumerate(settings)
+    ]
 
 
 @settings(max_examples=EXAMPLES)
@@ -115,18 +152,32 @@ def test_any_value_anywhere_loads_or_is_refused_in_one_line(path, value):
 
 
 STRANGE = {
-    "nothing is executed": (b"seed: !!python/object/apply:os.system ['touch executed']", "not valid YAML in line 1"),
+    "nothing is executed": (
+        b"seed: !!python/object/apply:os.system ['touch executed']",
+        "not valid YAML in line 1",
+    ),
     "nothing is imported": (b"seed: !!python/module:antigravity", "not valid YAML"),
     "objects are not made": (b"seed: !!python/object/new:type [a, [], {}]", "not valid YAML"),
-    "a key twice": (b"seed: 1\nprofile: a\nseed: 2", "in line 3: the key 'seed' is there already in line 1"),
+    "a key twice": (
+        b"seed: 1\nprofile: a\nseed: 2",
+        "in line 3: the key 'seed' is there already in line 1",
+    ),
     "a key twice, quoted": (b"seed: 1\n'seed': 2", "in line 2: the key 'seed'"),
     "a key twice, inside": (b"flatland: {rest_steps: 3, rest_steps: 4}", "the key 'rest_steps'"),
     "aliases of aliases": (
-        b"a: &a [x,x,x,x,x,x,x,x,x]\n" + b"".join(b"%c: &%c [%s]\n" % (98 + i, 98 + i, b",".join([b"*%c" % (97 + i)] * 9)) for i in range(20)),
+        b"a: &a [x,x,x,x,x,x,x,x,x]\n"
+        + b"".join(
+            b"%c: &%c [%s]\n" % (98 + i, 98 + i, b",".join([b"*%c" % (97 + i)] * 9))
+            for i in range(20)
+        ),
         "aliases that stand for more than",
     ),
     "merged aliases": (
-        b"a: &a {x: 1}\n" + b"".join(b"%c: &%c {<<: [%s]}\n" % (98 + i, 98 + i, b",".join([b"*%c" % (97 + i)] * 9)) for i in range(20)),
+        b"a: &a {x: 1}\n"
+        + b"".join(
+            b"%c: &%c {<<: [%s]}\n" % (98 + i, 98 + i, b",".join([b"*%c" % (97 + i)] * 9))
+            for i in range(20)
+        ),
         "aliases that stand for more than",
     ),
     "aliases in a chain": (
@@ -137,7 +188,10 @@ STRANGE = {
     "itself in a mapping": (b"flatland: &a {agents: *a}", "a value that holds itself"),
     "deep lists": (b"seed: " + b"[" * 20_000, f"more than {DEEPEST} levels"),
     "deep mappings": (b"{a: " * 20_000, f"more than {DEEPEST} levels"),
-    "deep by indentation": (b"".join(b" " * i + b"a:\n" for i in range(300)), f"more than {DEEPEST} levels"),
+    "deep by indentation": (
+        b"".join(b" " * i + b"a:\n" for i in range(300)),
+        f"more than {DEEPEST} levels",
+    ),
     "very many values": (b"seed: [" + b"1," * MOST_VALUES + b"]", "more than 20,000 values"),
     "a very large file": (b"#" * (MOST_BYTES + 1), "more than 1,000,000 bytes"),
     "a zero byte": (b"seed: 1\0", "not valid YAML"),
@@ -148,7 +202,10 @@ STRANGE = {
     "UTF-16": ("seed: 1".encode("utf-16"), "cannot be read"),
     "a number of 5000 digits": (b"seed: " + b"9" * 5000, "no value of the type int"),
     "a number of 20000 bits": (b"seed: 0x" + b"f" * 5000, "config.seed: a number of 20000 bits"),
-    "more than a float holds": (b"navigation: {threshold_return: 1" + b"0" * 400 + b"}", "config.navigation.threshold_return"),
+    "more than a float holds": (
+        b"navigation: {threshold_return: 1" + b"0" * 400 + b"}",
+        "config.navigation.threshold_return",
+    ),
     "no number": (b"seed: .nan", "config.seed: nan"),
     "an infinite number": (b"seed: 1.0e+400", "config.seed: inf"),
     "a date that is none": (b"seed: 2020-99-99", "no value of the type timestamp"),
@@ -170,7 +227,9 @@ def test_a_strange_file_is_refused_in_one_line(tmp_path, monkeypatch, content, s
     (tmp_path / "strange.yaml").write_bytes(content)
     message = refusal(lambda: load("strange.yaml"))
     assert message is not None and says in message
-    assert [path.name for path in tmp_path.iterdir()] == ["strange.yaml"]  # above all no file that an executed command would have made
+    assert [path.name for path in tmp_path.iterdir()] == [
+        "strange.yaml"
+    ]  # above all no file that an executed command would have made
 
 
 def test_a_folder_and_a_file_without_end_are_refused(tmp_path):
@@ -181,7 +240,9 @@ def test_a_folder_and_a_file_without_end_are_refused(tmp_path):
 def test_what_yaml_is_used_for_still_works(tmp_path):
     """Anchors, merged mappings, and the same key in different mappings."""
     file = tmp_path / "good.yaml"
-    file.write_text("a: &a {x: 1, y: 2}\nb: {<<: *a, x: 3}\nc: [*a, *a]\nd: 2020-01-01\ne: {1: a, '1': b}\nf: '='\n")
+    file.write_text(
+        "a: &a {x: 1, y: 2}\nb: {<<: *a, x: 3}\nc: [*a, *a]\nd: 2020-01-01\ne: {1: a, '1': b}\nf: '='\n"
+    )
     found = read_yaml(file, ConfigError, "a file")
     assert found == yaml.safe_load(file.read_text())
     assert found["b"] == {"x": 3, "y": 2} and found["c"][0] == {"x": 1, "y": 2}

@@ -9,15 +9,25 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sensory_commutativity.helpers import EMPTY, FREE_SPACE, drive, enter, started
 
-from sensory_commutativity.sequences import compose, no_op
+from sensory_commutativity.scp.sequences import compose, no_op
 from sensory_commutativity.worlds.flatland import control
 from sensory_commutativity.worlds.flatland.agent import N_LINKS
-from sensory_commutativity.worlds.flatland.control import CORRECTION, DT, EYELID, GRID, HEAD, INNER, SLACK, SUBSTEPS, TARGET, TIME
+from sensory_commutativity.worlds.flatland.control import (
+    CORRECTION,
+    DT,
+    EYELID,
+    GRID,
+    HEAD,
+    INNER,
+    SLACK,
+    SUBSTEPS,
+    TARGET,
+    TIME,
+)
 from sensory_commutativity.worlds.flatland.room import Room
 from sensory_commutativity.worlds.flatland.world import FlatlandWorld
-
-from ..helpers import EMPTY, FREE_SPACE, drive, enter, started
 
 # ---- small functions -------------------------------------------------------------------------------------------------------
 
@@ -54,7 +64,11 @@ def test_within(value, expected):
         (0.0, 0.0, 0.0),
         (2.0, 2.0, 2.0 / DT),  # what was commanded, in one sub-step
         (2.1, 2.0, 2.1 / DT),  # a small lag is made up at once
-        (100.0, 2.0, 2.0 / DT + CORRECTION * 8.0),  # a large one no faster than half the top speed more
+        (
+            100.0,
+            2.0,
+            2.0 / DT + CORRECTION * 8.0,
+        ),  # a large one no faster than half the top speed more
         (-100.0, 0.0, -CORRECTION * 8.0),
     ],
 )
@@ -92,7 +106,9 @@ def test_the_base_runs_at_its_speed_and_stops_at_once(value):
         world.step(action)
         places.append(world.poses()[0, 0])
     steps = np.diff(places)
-    assert steps[1:10] == pytest.approx(np.full(9, 8 * value), abs=1e-4)  # the first and the last carry a sub-step's delay
+    assert steps[1:10] == pytest.approx(
+        np.full(9, 8 * value), abs=1e-4
+    )  # the first and the last carry a sub-step's delay
     assert places[-1] == pytest.approx(80 * value, abs=1e-4)
     assert steps[11:] == pytest.approx(np.zeros(3), abs=1e-9)
 
@@ -119,7 +135,12 @@ def test_targets_are_reached_in_free_space(seed):
     world = started(FlatlandWorld(FREE_SPACE), seed)
     world.play(compose(np.random.default_rng(seed).uniform(-1, 1, (50, 8)), no_op(3, 8)))
     poses, inner = world.poses(), world.inner
-    joints = [poses[1, 2] - poses[0, 2], poses[2, 2] - poses[1, 2], poses[3, 2] - poses[0, 2], poses[4, 2] - poses[3, 2]]
+    joints = [
+        poses[1, 2] - poses[0, 2],
+        poses[2, 2] - poses[1, 2],
+        poses[3, 2] - poses[0, 2],
+        poses[4, 2] - poses[3, 2],
+    ]
     assert np.allclose([*poses[0], *joints], inner[TARGET], atol=1e-9)
 
 
@@ -131,7 +152,9 @@ def test_a_target_waits_for_what_is_blocked():
     for action in drive("base-longitudinal", 1.0, 60):
         world.step(action)
         ahead = abs(world.inner[1] - world.poses()[0, 1])
-        assert ahead <= SLACK[1] + 2 * 8.0 * DT + 1e-6  # the slack, the command of the last sub-step, and one that is still to be carried out
+        assert (
+            ahead <= SLACK[1] + 2 * 8.0 * DT + 1e-6
+        )  # the slack, the command of the last sub-step, and one that is still to be carried out
     assert ahead > SLACK[1]
 
 
@@ -149,7 +172,9 @@ BALL = {"vertices": 0, "radius": 20.0, "kind": 1, "colour": (255, 0, 0)}
 
 def test_a_movable_thing_is_pushed_and_comes_to_rest():
     world = enter(FREE_SPACE, 0, 0, 0.0, [{**BALL, "pose": (70, 0, 0)}], None)
-    world.play(drive("base-longitudinal", 1.0, 15))  # to 120: the ball, 45 ahead of the base, to 165 at least
+    world.play(
+        drive("base-longitudinal", 1.0, 15)
+    )  # to 120: the ball, 45 ahead of the base, to 165 at least
     pushed = world.poses()[N_LINKS, 0]
     assert pushed > 160
     places = []
@@ -172,7 +197,9 @@ def test_a_fixed_thing_does_not_move():
 
 def test_a_pushed_agent_comes_back_to_where_it_should_be():
     """Things that move by themselves push it about; it holds its pose within the slack once they are gone."""
-    world = started(FlatlandWorld(Room(things=12, width=420.0, height=420.0, start_margin=150.0)), 4)
+    world = started(
+        FlatlandWorld(Room(things=12, width=420.0, height=420.0, start_margin=150.0)), 4
+    )
     for _ in range(20):
         world.play(no_op(10, 8))
         assert np.abs(world.inner[:2] - world.poses()[0, :2]).max() <= SLACK[0] + 1e-6
@@ -180,7 +207,9 @@ def test_a_pushed_agent_comes_back_to_where_it_should_be():
 
 def test_the_agent_does_not_collide_with_itself():
     world = enter(FREE_SPACE, 0, 0, 0.0)
-    world.play(compose(drive("left-shoulder", -1.0, 25), no_op(3, 8)))  # a full turn, across body and other arm
+    world.play(
+        compose(drive("left-shoulder", -1.0, 25), no_op(3, 8))
+    )  # a full turn, across body and other arm
     turned = world.poses()[1, 2] - world.agent.rest_angles[0]
     assert turned == pytest.approx(-6.25, abs=1e-4)
     assert world.poses()[0] == pytest.approx([0, 0, 0], abs=1e-6)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sensory_commutativity.helpers import started
 
 from sensory_commutativity.worlds.corridor import Corridor
-
-from ..helpers import started
 
 
 def end(world: Corridor, *directions: float) -> list[float]:

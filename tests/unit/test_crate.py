@@ -12,20 +12,24 @@ import matplotlib.pyplot as plt
 import pytest
 from click.testing import CliRunner
 from rocrate.rocrate import ROCrate
+from sensory_commutativity.test_runs import scp
 
 from sensory_commutativity.cli import main
-from sensory_commutativity.config import write_resolved
 from sensory_commutativity.errors import UserError
-from sensory_commutativity.figures.style import save
-from sensory_commutativity.provenance import provenance
 from sensory_commutativity.runs.checksums import MANIFEST, sha256, write_manifest
 from sensory_commutativity.runs.crate import write_crate
-from sensory_commutativity.tables import write_table
-
-from .test_runs import scp
+from sensory_commutativity.storage.provenance import provenance
+from sensory_commutativity.storage.tables import write_table
+from sensory_commutativity.studies.loading import write_resolved
+from sensory_commutativity.studies.plotting import save
 
 DAY = datetime.date(2026, 1, 31)
-RESULTS = ("tables/flatland_scp.parquet", "tables/navigation_scp.parquet", "figures/a.pdf", "figures/a.png")
+RESULTS = (
+    "tables/flatland_scp.parquet",
+    "tables/navigation_scp.parquet",
+    "figures/a.pdf",
+    "figures/a.png",
+)
 
 
 @pytest.fixture(scope="module")
@@ -33,8 +37,17 @@ def made(tmp_path_factory, default_config) -> Path:
     """A small run with two tables, a figure, raw data and checksums."""
     run = tmp_path_factory.mktemp("made") / "run"
     write_resolved(default_config, run / "config.yaml")
-    for name in ("tables/flatland_scp", "tables/navigation_scp", "data/flatland_experiments/a.1-of-1"):
-        write_table("flatland_scp" if "flatland" in name else "navigation_scp", scp([0.5]), run / f"{name}.parquet", default_config)
+    for name in (
+        "tables/flatland_scp",
+        "tables/navigation_scp",
+        "data/flatland_experiments/a.1-of-1",
+    ):
+        write_table(
+            "flatland_scp" if "flatland" in name else "navigation_scp",
+            scp([0.5]),
+            run / f"{name}.parquet",
+            default_config,
+        )
     figure, axes = plt.subplots(figsize=(1, 1))
     axes.plot([0, 1])
     save(figure, run / "figures" / "a.png", default_config)
@@ -69,37 +82,65 @@ def test_the_workflow_is_the_main_entity_and_was_run_on_the_settings(unpacked, d
     where = f"results/{default_config.profile}"
     assert ids(action["object"]) == {f"{where}/config.yaml", "#root_seed"}
     assert ids(action["result"]) == {f"{where}/{name}" for name in RESULTS}
-    assert {f"https://w3id.org/ro/wfrun/{kind}/0.5" for kind in ("process", "workflow")} < ids(crate.root_dataset["conformsTo"])
-    assert crate.root_dataset["datePublished"] == "2026-01-31" and crate.root_dataset["license"].id == "https://spdx.org/licenses/MIT"
+    assert {f"https://w3id.org/ro/wfrun/{kind}/0.5" for kind in ("process", "workflow")} < ids(
+        crate.root_dataset["conformsTo"]
+    )
+    assert (
+        crate.root_dataset["datePublished"] == "2026-01-31"
+        and crate.root_dataset["license"].id == "https://spdx.org/licenses/MIT"
+    )
 
 
 def test_it_says_where_the_results_come_from(unpacked, default_config):
     crate = ROCrate(unpacked)
     action = crate.root_dataset["mentions"]
-    said = {value["name"]: value["value"] for value in [*action["additionalProperty"], crate.get("#root_seed")]}
+    said = {
+        value["name"]: value["value"]
+        for value in [*action["additionalProperty"], crate.get("#root_seed")]
+    }
     about = provenance(default_config)
-    assert said == {key: about[key] for key in ("config_sha256", "git_commit", "python", "platform", "root_seed")}
-    needed = {package["name"]: package["version"] for package in crate.mainEntity["softwareRequirements"]}
-    assert needed == {name: version for name, version in json.loads(about["packages"]).items() if version != "absent"}
+    assert said == {
+        key: about[key]
+        for key in ("config_sha256", "git_commit", "python", "platform", "root_seed")
+    }
+    needed = {
+        package["name"]: package["version"] for package in crate.mainEntity["softwareRequirements"]
+    }
+    assert needed == {
+        name: version
+        for name, version in json.loads(about["packages"]).items()
+        if version != "absent"
+    }
 
 
 def test_every_file_that_it_names_is_in_it_with_its_checksum(unpacked, made):
     crate = ROCrate(unpacked)
-    files = [entity for entity in crate.data_entities if entity.type == "File" or "File" in entity.type]
+    files = [
+        entity for entity in crate.data_entities if entity.type == "File" or "File" in entity.type
+    ]
     assert len(files) > len(RESULTS) + 3
     for entity in files:
         assert (unpacked / entity.id).is_file(), entity.id
         if "sha256" in entity:
-            assert sha256(unpacked / entity.id) == entity["sha256"] and entity["contentSize"] == str((unpacked / entity.id).stat().st_size)
+            assert sha256(unpacked / entity.id) == entity["sha256"] and entity[
+                "contentSize"
+            ] == str((unpacked / entity.id).stat().st_size)
     assert sum("sha256" in entity for entity in files) == len(RESULTS)
-    assert (unpacked / "workflow" / "rules" / "common.smk").is_file() and (unpacked / "config" / "default.yaml").is_file()
+    assert (unpacked / "workflow" / "rules" / "common.smk").is_file() and (
+        unpacked / "config" / "default.yaml"
+    ).is_file()
     assert not list(unpacked.rglob("*.pyc")) and not list(unpacked.rglob("data"))
 
 
 def test_raw_data_go_in_when_asked(made, tmp_path):
-    said = CliRunner().invoke(main, ["crate", str(made), "--out", str(tmp_path / "a.zip"), "--with-data"])
+    said = CliRunner().invoke(
+        main, ["crate", str(made), "--out", str(tmp_path / "a.zip"), "--with-data"]
+    )
     assert said.exit_code == 0 and "a.zip: " in said.output
-    assert any(name.endswith("data/flatland_experiments/a.1-of-1.parquet") for name in zipfile.ZipFile(tmp_path / "a.zip").namelist())
+    assert any(
+        name.endswith("data/flatland_experiments/a.1-of-1.parquet")
+        for name in zipfile.ZipFile(tmp_path / "a.zip").namelist()
+    )
 
 
 def test_the_same_run_gives_the_same_crate(made, tmp_path):
@@ -110,7 +151,9 @@ def test_the_same_run_gives_the_same_crate(made, tmp_path):
 
 def test_a_damaged_run_gives_no_crate(run, tmp_path):
     (run / "figures" / "a.pdf").write_bytes(b"x")
-    with pytest.raises(UserError, match=r"a\.pdf: not what .* says; see sensory-commutativity verify"):
+    with pytest.raises(
+        UserError, match=r"a\.pdf: not what .* says; see sensory-commutativity verify"
+    ):
         write_crate(run, tmp_path / "a.zip")
     assert not list(tmp_path.glob("*.zip"))
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from sensory_commutativity.distances import mean_squared_error
+from sensory_commutativity.scp.distances import mean_squared_error
 
 views = arrays(np.uint8, (5, 3), elements=st.integers(0, 255))
 

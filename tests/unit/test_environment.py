@@ -32,7 +32,11 @@ def test_it_is_the_world():
     for action in np.random.default_rng(0).uniform(-1, 1, (40, 8)).astype(np.float32):
         view, reward, terminated, truncated, _ = environment.step(action)
         world.step(action)
-        assert np.array_equal(view, world.observe()) and (reward, terminated, truncated) == (0.0, False, False)
+        assert np.array_equal(view, world.observe()) and (reward, terminated, truncated) == (
+            0.0,
+            False,
+            False,
+        )
 
 
 def test_two_with_the_same_seed_are_equal_and_with_another_not():
@@ -83,7 +87,10 @@ def test_every_room_of_the_vector_is_a_room_of_its_own():
     ended = np.zeros(ROOMS, bool)
     for actions in np.random.default_rng(0).uniform(-1, 1, (70, ROOMS, 8)).astype(np.float32):
         views, rewards, terminated, truncated, _ = vector.step(actions)
-        steps = [room.reset() if end else room.step(action) for room, action, end in zip(rooms, actions, ended, strict=True)]
+        steps = [
+            room.reset() if end else room.step(action)
+            for room, action, end in zip(rooms, actions, ended, strict=True)
+        ]
         assert np.array_equal(views, [step[0] for step in steps])
         ended = np.array([len(step) == 5 and step[3] for step in steps])
         assert np.array_equal(truncated, ended) and not terminated.any() and not rewards.any()

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binomtest
 
-from sensory_commutativity.estimate import commutes, sensory_commutativity_probability
+from sensory_commutativity.scp.estimate import commutes, sensory_commutativity_probability
 
 EXPERIMENTS = pd.DataFrame(
     {
@@ -22,8 +22,22 @@ EXPERIMENTS = pd.DataFrame(
 
 def test_by_hand():
     table = sensory_commutativity_probability(EXPERIMENTS, ["world", "dof"], [0.0, 1.0, 100.0])
-    assert table.columns.tolist() == ["world", "dof", "threshold", "n", "commuted", "scp", "ci_low", "ci_high"]
-    rows = [tuple(row) for row in table[["world", "dof", "threshold", "n", "commuted", "scp"]].itertuples(index=False)]
+    assert table.columns.tolist() == [
+        "world",
+        "dof",
+        "threshold",
+        "n",
+        "commuted",
+        "scp",
+        "ci_low",
+        "ci_high",
+    ]
+    rows = [
+        tuple(row)
+        for row in table[["world", "dof", "threshold", "n", "commuted", "scp"]].itertuples(
+            index=False
+        )
+    ]
     assert rows == [
         ("room", "head", 0.0, 4, 1, 0.25),
         ("room", "head", 1.0, 4, 3, 0.75),
@@ -52,16 +66,26 @@ def test_one_column_makes_groups_too():
 
 
 def test_the_threshold_itself_commutes():
-    assert commutes(np.array([0.0, 1.0, 1.0 + 1e-12, 1e-300])).tolist() == [True, False, False, False]
+    assert commutes(np.array([0.0, 1.0, 1.0 + 1e-12, 1e-300])).tolist() == [
+        True,
+        False,
+        False,
+        False,
+    ]
     assert commutes(np.array([0.0, 1.0, 1.0 + 1e-12]), 1.0).tolist() == [True, True, False]
 
 
-@given(st.lists(st.floats(0, 300), min_size=1, max_size=40), st.lists(st.floats(0, 300), min_size=2, max_size=5))
+@given(
+    st.lists(st.floats(0, 300), min_size=1, max_size=40),
+    st.lists(st.floats(0, 300), min_size=2, max_size=5),
+)
 def test_the_scp_grows_with_the_threshold(distances, thresholds):
     frame = pd.DataFrame({"dof": "head", "distance": distances})
     table = sensory_commutativity_probability(frame, ["dof"], sorted(thresholds))
     assert (table["scp"].diff().dropna() >= 0).all()
     assert (table["n"] == len(distances)).all()
     assert (table["ci_low"] <= table["scp"]).all() and (table["scp"] <= table["ci_high"]).all()
-    shuffled = sensory_commutativity_probability(frame.sample(frac=1, random_state=1), ["dof"], sorted(thresholds))
+    shuffled = sensory_commutativity_probability(
+        frame.sample(frac=1, random_state=1), ["dof"], sorted(thresholds)
+    )
     pd.testing.assert_frame_equal(table, shuffled)

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sensory_commutativity.helpers import started
 
-from sensory_commutativity.experiment import REST_STEPS, commutation_experiment, compare_orders, final_observation, sc_experiment
-from sensory_commutativity.sequences import compose, sample_sequence
-from sensory_commutativity.worlds.base import Dof, play
+from sensory_commutativity.scp.experiment import (
+    REST_STEPS,
+    commutation_experiment,
+    compare_orders,
+    final_observation,
+    sc_experiment,
+)
+from sensory_commutativity.scp.sequences import compose, sample_sequence
+from sensory_commutativity.scp.world import Dof, play
 from sensory_commutativity.worlds.corridor import Corridor
-
-from ..helpers import started
 
 
 class Diary:
@@ -45,7 +50,9 @@ SEQUENCE = np.arange(10.0).reshape(5, 2)
 @pytest.mark.parametrize("rest_steps", [0, 1, 7])
 def test_a_sequence_is_played_and_then_the_agent_rests(rest_steps):
     seen = final_observation(Diary(), ((9.0, 9.0),), SEQUENCE, rest_steps)
-    assert np.array_equal(seen, compose(np.array([[9.0, 9.0]]), SEQUENCE, np.zeros((rest_steps, 2))))
+    assert np.array_equal(
+        seen, compose(np.array([[9.0, 9.0]]), SEQUENCE, np.zeros((rest_steps, 2)))
+    )
 
 
 def test_the_agent_rests_three_steps_unless_told():
@@ -69,7 +76,9 @@ def test_an_sc_experiment_permutes_the_same_actions():
     assert not np.array_equal(outcome.second[:5], SEQUENCE)
     assert sorted(map(tuple, outcome.second[:5])) == sorted(map(tuple, SEQUENCE))
     assert not outcome.first[5:].any() and not outcome.second[5:].any()
-    assert np.array_equal(outcome.second, sc_experiment(world, (), SEQUENCE, np.random.default_rng(4), 2).second)
+    assert np.array_equal(
+        outcome.second, sc_experiment(world, (), SEQUENCE, np.random.default_rng(4), 2).second
+    )
 
 
 def test_a_commutation_experiment_plays_h_g_and_g_h():
@@ -82,7 +91,9 @@ def test_a_commutation_experiment_plays_h_g_and_g_h():
 
 def test_the_outcomes_of_a_real_world_do_not_alias():
     world = started(Corridor(wall=3))
-    outcome = compare_orders(world, world.snapshot(), np.array([[1.0, 0.0]]), np.array([[-1.0, 0.0]]))
+    outcome = compare_orders(
+        world, world.snapshot(), np.array([[1.0, 0.0]]), np.array([[-1.0, 0.0]])
+    )
     assert outcome.first.tolist() == [1, -1, 1]
     assert outcome.second.tolist() == [-1, -1, 1]
 

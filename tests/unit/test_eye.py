@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from sensory_commutativity.helpers import FREE_SPACE, enter
 
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
 from sensory_commutativity.worlds.flatland.control import EYELID, HEAD
@@ -13,13 +14,19 @@ from sensory_commutativity.worlds.flatland.eye import Scene, look, ray_direction
 from sensory_commutativity.worlds.flatland.room import WALL_COLOURS, Room
 from sensory_commutativity.worlds.flatland.world import FlatlandWorld
 
-from ..helpers import FREE_SPACE, enter
-
 QUARTER = math.pi / 2
 BOX = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], float)
 
 
-def seen(things=(), eye=(0.0, 0.0, 0.0), eyelid=1.0, pixels=64, field_of_view=QUARTER, view_range=1000.0, walls=()) -> np.ndarray:
+def seen(
+    things=(),
+    eye=(0.0, 0.0, 0.0),
+    eyelid=1.0,
+    pixels=64,
+    field_of_view=QUARTER,
+    view_range=1000.0,
+    walls=(),
+) -> np.ndarray:
     """What is seen of discs (pose, radius, colour) and of polygons (pose, corners, colour)."""
     n = len(things)
     outlines, vertices, radius = np.zeros((n, 5, 2)), np.zeros(n, np.int64), np.zeros(n)
@@ -52,7 +59,9 @@ def lit(view: np.ndarray) -> list[int]:
 def test_rays_by_hand():
     """Two pixels of 90 degrees look 22.5 degrees to the right and to the left."""
     angle = math.radians(22.5)
-    assert ray_directions(2, QUARTER) == pytest.approx(np.array([[math.cos(angle), -math.sin(angle)], [math.cos(angle), math.sin(angle)]]))
+    assert ray_directions(2, QUARTER) == pytest.approx(
+        np.array([[math.cos(angle), -math.sin(angle)], [math.cos(angle), math.sin(angle)]])
+    )
     assert ray_directions(1, 3.0) == pytest.approx(np.array([[1.0, 0.0]]))
 
 
@@ -133,7 +142,15 @@ def test_where_the_eye_stands_and_looks_does_not_matter():
 
 @pytest.mark.parametrize(
     ("eyelid", "colour"),
-    [(0.0, (0, 0, 0)), (0.5, (100, 25, 5)), (1.0, RED), (1.25, (250, 63, 13)), (2.0, (255, 100, 20)), (0.001, (0, 0, 0)), (0.05, (10, 3, 1))],
+    [
+        (0.0, (0, 0, 0)),
+        (0.5, (100, 25, 5)),
+        (1.0, RED),
+        (1.25, (250, 63, 13)),
+        (2.0, (255, 100, 20)),
+        (0.001, (0, 0, 0)),
+        (0.05, (10, 3, 1)),
+    ],
 )
 def test_the_eyelid_multiplies_rounds_and_clips(eyelid, colour):
     assert seen([((100, 0, 0), 50.0, RED)], eyelid=eyelid)[32].tolist() == list(colour)
@@ -187,7 +204,9 @@ def test_an_eye_inside_sees_through():
 
 @pytest.mark.parametrize("field_of_view", [3.0, 3.5, 6.28])
 def test_wide_eyes_see_behind(field_of_view):
-    view = seen([((-100, 1, 0), 30.0, RED), ((100, 0, 0), 10.0, GREEN)], field_of_view=field_of_view)
+    view = seen(
+        [((-100, 1, 0), 30.0, RED), ((100, 0, 0), 10.0, GREEN)], field_of_view=field_of_view
+    )
     behind = math.pi - math.asin(0.3) < field_of_view / 2
     assert (view == RED).all(axis=1).any() == behind
     assert (view[32] == GREEN).all()
@@ -205,7 +224,11 @@ def cast(world: FlatlandWorld) -> np.ndarray:
     agent, room, situation = world.agent, world.room, world.situation
     poses, inner = world.poses(), world.inner
     x, y = poses[0, :2]
-    angles = poses[0, 2] + inner[HEAD] + agent.field_of_view * ((np.arange(agent.pixels) + 0.5) / agent.pixels - 0.5)
+    angles = (
+        poses[0, 2]
+        + inner[HEAD]
+        + agent.field_of_view * ((np.arange(agent.pixels) + 0.5) / agent.pixels - 0.5)
+    )
     ray = np.stack([np.cos(angles), np.sin(angles)], 1)
     depth, view = np.full(agent.pixels, agent.view_range), np.zeros((agent.pixels, 3))
 
@@ -221,12 +244,22 @@ def cast(world: FlatlandWorld) -> np.ndarray:
             outward = np.array([b[1] - a[1], a[0] - b[0]])
             slope = ray @ outward
             t = (a - (x, y)) @ outward / np.where(slope == 0, np.nan, slope)
-            enter, leave = np.where(slope < 0, np.fmax(enter, t), enter), np.where(slope > 0, np.fmin(leave, t), leave)
+            enter, leave = (
+                np.where(slope < 0, np.fmax(enter, t), enter),
+                np.where(slope > 0, np.fmin(leave, t), leave),
+            )
         paint(np.where(enter <= leave, enter, -1), colour)
 
-    for (axis, at, sign), colour in zip([(1, 0, -1), (0, room.width, 1), (1, room.height, 1), (0, 0, -1)], WALL_COLOURS, strict=True):
-        towards = ray[:, axis] * sign > 0  # seen even where they are not solid; the agent stays inside
-        paint(np.where(towards, (at - (x, y)[axis]) / np.where(towards, ray[:, axis], 1.0), -1), colour)
+    for (axis, at, sign), colour in zip(
+        [(1, 0, -1), (0, room.width, 1), (1, room.height, 1), (0, 0, -1)], WALL_COLOURS, strict=True
+    ):
+        towards = (
+            ray[:, axis] * sign > 0
+        )  # seen even where they are not solid; the agent stays inside
+        paint(
+            np.where(towards, (at - (x, y)[axis]) / np.where(towards, ray[:, axis], 1.0), -1),
+            colour,
+        )
     half_length, half_width = agent.arm_length / 2, agent.arm_width / 2
     for link, grey in zip(poses[1:5], (255, 200, 255, 200), strict=True):
         paint_polygon(link, BOX * (half_length, half_width), (grey, grey, grey))
@@ -234,12 +267,17 @@ def cast(world: FlatlandWorld) -> np.ndarray:
         radius, corners = situation.radius[i], situation.vertices[i]
         if corners:
             spokes = 2 * math.pi * np.arange(corners) / corners
-            paint_polygon(pose, radius * np.stack([np.cos(spokes), np.sin(spokes)], 1), situation.colour[i])
+            paint_polygon(
+                pose, radius * np.stack([np.cos(spokes), np.sin(spokes)], 1), situation.colour[i]
+            )
         else:
             to = pose[:2] - (x, y)
             along = ray @ to
             within = along**2 - to @ to + radius**2
-            paint(np.where(within >= 0, along - np.sqrt(np.maximum(within, 0)), -1), situation.colour[i])
+            paint(
+                np.where(within >= 0, along - np.sqrt(np.maximum(within, 0)), -1),
+                situation.colour[i],
+            )
     return np.minimum(255, np.floor(view * inner[EYELID] + 0.5)).astype(np.uint8)
 
 
@@ -272,7 +310,9 @@ def test_the_arms_are_seen_and_the_body_is_not():
     world.play(np.tile([0, 0, 0, 0, -1.0, 0, -1.0, 0], (3, 1)))  # arms to the front
     view = world.observe()
     assert set(map(tuple, view.tolist())) - walls == {(255, 255, 255), (200, 200, 200)}
-    world.play(np.tile([0, 0, 1.0, 0, 0, 0, 0, 0], (12, 1)))  # looking back: only its own body could hide the painted walls there
+    world.play(
+        np.tile([0, 0, 1.0, 0, 0, 0, 0, 0], (12, 1))
+    )  # looking back: only its own body could hide the painted walls there
     assert set(map(tuple, world.observe().tolist())) <= walls
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sensory_commutativity.errors import ConfigError
-from sensory_commutativity.folders import check_writable
+from sensory_commutativity.storage.folders import check_writable
 
 
 @pytest.mark.parametrize("inside", [".", "new", "new/deep/er"])
@@ -33,7 +33,9 @@ def test_a_folder_that_may_not_be_written(tmp_path, monkeypatch):
         raise PermissionError(13, "Permission denied", str(dir))
 
     monkeypatch.setattr(tempfile, "TemporaryFile", refuse)
-    with pytest.raises(ConfigError, match=r"cannot be written to \(Permission denied\).*'results'") as caught:
+    with pytest.raises(
+        ConfigError, match=r"cannot be written to \(Permission denied\).*'results'"
+    ) as caught:
         check_writable(tmp_path / "results")
     assert str(tmp_path) in str(caught.value)
     assert "\n" not in str(caught.value)

@@ -13,7 +13,13 @@ from scipy import stats
 from statsmodels.stats.meta_analysis import effectsize_smd
 from statsmodels.stats.weightstats import CompareMeans, DescrStatsW
 
-from sensory_commutativity.statistics.groups import games_howell, mann_whitney, permutation, probability_of_improvement, welch
+from sensory_commutativity.statistics.groups import (
+    games_howell,
+    mann_whitney,
+    permutation,
+    probability_of_improvement,
+    welch,
+)
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -30,22 +36,33 @@ def runs(seed: int, n: int, mean: float = 0.0, sd: float = 1.0) -> np.ndarray:
 def test_welch_by_hand():
     """Means 5 and 2, variances 14/3 and 1: squared errors 7/6 and 1/3."""
     found = welch(A, B)
-    error, df = math.sqrt(7 / 6 + 1 / 3), (7 / 6 + 1 / 3) ** 2 / ((7 / 6) ** 2 / 3 + (1 / 3) ** 2 / 2)
+    error, df = (
+        math.sqrt(7 / 6 + 1 / 3),
+        (7 / 6 + 1 / 3) ** 2 / ((7 / 6) ** 2 / 3 + (1 / 3) ** 2 / 2),
+    )
     half = stats.t.ppf(0.975, df) * error
     assert found.difference == 3
     assert (found.statistic, found.df) == pytest.approx((3 / error, df))
     assert found.p == pytest.approx(2 * stats.t.sf(3 / error, df))
     assert (found.ci_low, found.ci_high) == pytest.approx((3 - half, 3 + half))
-    assert found.effect_size == pytest.approx(3 / math.sqrt((3 * 14 / 3 + 2 * 1) / 5) * (1 - 3 / 19))
+    assert found.effect_size == pytest.approx(
+        3 / math.sqrt((3 * 14 / 3 + 2 * 1) / 5) * (1 - 3 / 19)
+    )
 
 
-@pytest.mark.parametrize(("n", "m", "sd", "confidence"), [(30, 30, 1, 0.95), (12, 40, 5, 0.99), (2, 3, 0.1, 0.5)])
+@pytest.mark.parametrize(
+    ("n", "m", "sd", "confidence"), [(30, 30, 1, 0.95), (12, 40, 5, 0.99), (2, 3, 0.1, 0.5)]
+)
 def test_welch_against_statsmodels(n, m, sd, confidence):
     a, b = runs(1, n, 2, sd), runs(2, m)
     found, other = welch(a, b, confidence), CompareMeans(DescrStatsW(a), DescrStatsW(b))
     assert (found.statistic, found.p, found.df) == pytest.approx(other.ttest_ind(usevar="unequal"))
-    assert (found.ci_low, found.ci_high) == pytest.approx(other.tconfint_diff(alpha=1 - confidence, usevar="unequal"))
-    assert found.effect_size == pytest.approx(effectsize_smd(a.mean(), a.std(ddof=1), n, b.mean(), b.std(ddof=1), m)[0])
+    assert (found.ci_low, found.ci_high) == pytest.approx(
+        other.tconfint_diff(alpha=1 - confidence, usevar="unequal")
+    )
+    assert found.effect_size == pytest.approx(
+        effectsize_smd(a.mean(), a.std(ddof=1), n, b.mean(), b.std(ddof=1), m)[0]
+    )
 
 
 @given(st.integers(0, 1000), st.integers(2, 20), st.integers(2, 20))
@@ -54,7 +71,9 @@ def test_welch_mirrors(seed, n, m):
     a, b = runs(seed, n), runs(seed + 1, m, 1)
     found, mirrored = welch(a, b), welch(b, a)
     assert (mirrored.p, mirrored.df) == pytest.approx((found.p, found.df))
-    assert (mirrored.statistic, mirrored.difference, mirrored.effect_size) == pytest.approx((-found.statistic, -found.difference, -found.effect_size))
+    assert (mirrored.statistic, mirrored.difference, mirrored.effect_size) == pytest.approx(
+        (-found.statistic, -found.difference, -found.effect_size)
+    )
     assert (mirrored.ci_low, mirrored.ci_high) == pytest.approx((-found.ci_high, -found.ci_low))
     assert found.ci_low < found.difference < found.ci_high
 
@@ -83,7 +102,13 @@ def test_welch_covers_as_often_as_it_says():
 
 @pytest.mark.parametrize(
     ("bad", "says"),
-    [([1.0], "at least 2"), ([], "at least 2"), ([[1.0, 2.0]], "one dimension"), ([1.0, np.nan], "1 values"), ([1.0, np.inf, np.nan], "2 values")],
+    [
+        ([1.0], "at least 2"),
+        ([], "at least 2"),
+        ([[1.0, 2.0]], "one dimension"),
+        ([1.0, np.nan], "1 values"),
+        ([1.0, np.inf, np.nan], "2 values"),
+    ],
 )
 @pytest.mark.parametrize(
     "compare",
@@ -117,7 +142,11 @@ def test_confidence_is_a_fraction(confidence):
 
 def test_games_howell_against_its_formula():
     confidence = 0.9
-    groups = {"full": runs(1, 30, 1), "truncated": runs(2, 12, 0, 4), "adapted": runs(3, 20, 0.5, 0.2)}
+    groups = {
+        "full": runs(1, 30, 1),
+        "truncated": runs(2, 12, 0, 4),
+        "adapted": runs(3, 20, 0.5, 0.2),
+    }
     found = games_howell(groups, confidence)
     assert list(found) == [("full", "truncated"), ("full", "adapted"), ("truncated", "adapted")]
     for (a, b), pair in found.items():
@@ -125,8 +154,12 @@ def test_games_howell_against_its_formula():
         error = abs(alone.difference / alone.statistic)
         half = stats.studentized_range.ppf(confidence, 3, alone.df) * error / math.sqrt(2)
         assert pair.difference == pytest.approx(alone.difference)
-        assert pair.p == pytest.approx(stats.studentized_range.sf(math.sqrt(2) * abs(alone.statistic), 3, alone.df), rel=1e-6)
-        assert (pair.ci_low, pair.ci_high) == pytest.approx((pair.difference - half, pair.difference + half), rel=1e-6)
+        assert pair.p == pytest.approx(
+            stats.studentized_range.sf(math.sqrt(2) * abs(alone.statistic), 3, alone.df), rel=1e-6
+        )
+        assert (pair.ci_low, pair.ci_high) == pytest.approx(
+            (pair.difference - half, pair.difference + half), rel=1e-6
+        )
 
 
 def test_games_howell_of_two_groups_is_welch():
@@ -164,7 +197,10 @@ def test_mann_whitney_against_the_normal_approximation():
     u = sum((x > b).sum() + (x == b).sum() / 2 for x in a)
     counts = np.unique(np.append(a, b), return_counts=True)[1]
     variance = 30 * 25 / 12 * (56 - (counts**3 - counts).sum() / (55 * 54))
-    assert mann_whitney(a, b) == (u, pytest.approx(2 * stats.norm.sf((abs(u - 375) - 0.5) / math.sqrt(variance))))
+    assert mann_whitney(a, b) == (
+        u,
+        pytest.approx(2 * stats.norm.sf((abs(u - 375) - 0.5) / math.sqrt(variance))),
+    )
 
 
 def test_probability_of_improvement_is_u_over_pairs():
@@ -172,7 +208,9 @@ def test_probability_of_improvement_is_u_over_pairs():
     assert probability_of_improvement(A, B, rng, 99).probability == pytest.approx(11.5 / 12)
     assert probability_of_improvement(B, A, rng, 99).probability == pytest.approx(0.5 / 12)
     a, b = runs(1, 30, 0.5).round(1), runs(2, 25).round(1)
-    assert probability_of_improvement(a, b, rng, 99).probability == pytest.approx(mann_whitney(a, b).statistic / 750)
+    assert probability_of_improvement(a, b, rng, 99).probability == pytest.approx(
+        mann_whitney(a, b).statistic / 750
+    )
 
 
 def test_probability_of_improvement_where_groups_do_not_overlap_or_are_equal():
@@ -190,17 +228,25 @@ def test_probability_of_improvement_against_a_plain_bootstrap(confidence):
     for _ in range(4000):
         x, y = rng.choice(a, 20), rng.choice(b, 10)
         plain.append((x[:, None] > y).mean() + (x[:, None] == y).mean() / 2)
-    assert (low, high) == pytest.approx(np.quantile(plain, [0.5 - confidence / 2, 0.5 + confidence / 2]), abs=0.015)
+    assert (low, high) == pytest.approx(
+        np.quantile(plain, [0.5 - confidence / 2, 0.5 + confidence / 2]), abs=0.015
+    )
 
 
 # ---- permutation -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("a", "b"), [(A, B), (B, A), (np.array([1.0, 7.0, 9.0]), np.array([2.0, 6.0, 3.0, 4.0]))])
+@pytest.mark.parametrize(
+    ("a", "b"), [(A, B), (B, A), (np.array([1.0, 7.0, 9.0]), np.array([2.0, 6.0, 3.0, 4.0]))]
+)
 def test_permutation_of_few_runs_counts_all_arrangements(a, b):
     pooled, observed = np.append(a, b), a.mean() - b.mean()
-    each = [pooled[list(i)].mean() - np.delete(pooled, i).mean() for i in combinations(range(7), len(a))]
-    tail = min(np.mean(np.array(each) >= observed - 1e-9), np.mean(np.array(each) <= observed + 1e-9))
+    each = [
+        pooled[list(i)].mean() - np.delete(pooled, i).mean() for i in combinations(range(7), len(a))
+    ]
+    tail = min(
+        np.mean(np.array(each) >= observed - 1e-9), np.mean(np.array(each) <= observed + 1e-9)
+    )
     assert permutation(a, b, np.random.default_rng(0)) == pytest.approx(min(1, 2 * tail))
 
 
@@ -212,11 +258,21 @@ def test_permutation_of_many_runs_is_near_the_t_test():
 
 
 def test_permutation_at_its_limits():
-    assert permutation(runs(1, 20) + 50, runs(2, 20), np.random.default_rng(0), 499) == pytest.approx(2 / 500)
-    assert permutation(runs(1, 20), runs(2, 20) + 50, np.random.default_rng(0), 499) == pytest.approx(2 / 500)
+    assert permutation(
+        runs(1, 20) + 50, runs(2, 20), np.random.default_rng(0), 499
+    ) == pytest.approx(2 / 500)
+    assert permutation(
+        runs(1, 20), runs(2, 20) + 50, np.random.default_rng(0), 499
+    ) == pytest.approx(2 / 500)
     assert permutation([0.1] * 9, [0.1] * 7, np.random.default_rng(0), 99) == 1
 
 
-@pytest.mark.parametrize("test", [lambda rng: permutation(runs(1, 20), runs(2, 20), rng, 99), lambda rng: probability_of_improvement(A, B, rng, 99)])
+@pytest.mark.parametrize(
+    "test",
+    [
+        lambda rng: permutation(runs(1, 20), runs(2, 20), rng, 99),
+        lambda rng: probability_of_improvement(A, B, rng, 99),
+    ],
+)
 def test_equal_generators_give_equal_results(test):
     assert test(np.random.default_rng(7)) == test(np.random.default_rng(7))

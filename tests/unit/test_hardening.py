@@ -16,21 +16,25 @@ import pytest
 import torch
 import trimesh
 import yaml
+from sensory_commutativity.helpers import DEFAULT
 
 import sensory_commutativity
-from sensory_commutativity import yamlfile
-from sensory_commutativity.checkpoints import Checkpoint, CheckpointError, load_state, save_state
-from sensory_commutativity.config import load
+from sensory_commutativity.change_detection.predictor import _FORMAT, PredictorError, load_predictor
 from sensory_commutativity.errors import ConfigError, UserError
-from sensory_commutativity.masks.predictor import _FORMAT, PredictorError, load_predictor
 from sensory_commutativity.navigation.training import policy_of_run
 from sensory_commutativity.perceptual.weights import WeightsError, vgg16_weights
-from sensory_commutativity.worlds.apartment.robot import load_robot
-from sensory_commutativity.worlds.apartment.scene import SceneError
-from sensory_commutativity.worlds.apartment.scenefile import load_scene
-from sensory_commutativity.worlds.apartment.urdf import RobotError, find_file, read_urdf
-
-from ..helpers import DEFAULT
+from sensory_commutativity.storage import yamlfile
+from sensory_commutativity.storage.checkpoints import (
+    Checkpoint,
+    CheckpointError,
+    load_state,
+    save_state,
+)
+from sensory_commutativity.studies.loading import load
+from sensory_commutativity.worlds.apartment.robots.robot import load_robot
+from sensory_commutativity.worlds.apartment.robots.urdf import RobotError, find_file, read_urdf
+from sensory_commutativity.worlds.apartment.scenes.scene import SceneError
+from sensory_commutativity.worlds.apartment.scenes.scenefile import load_scene
 
 PACKAGE = Path(sensory_commutativity.__file__).parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
@@ -60,8 +64,15 @@ def hostile_payloads(marker: Path) -> dict[str, bytes]:
     """Pickles that make `marker`: bare, and as torch writes them, alone and among honest values."""
     alone, among = io.BytesIO(), io.BytesIO()
     torch.save(Hostile(marker), alone)
-    torch.save({"format": 2, "name": "raft", "weights": {"a": torch.zeros(2)}, "rule": Hostile(marker)}, among)
-    return {"bare": pickle.dumps(Hostile(marker)), "alone": alone.getvalue(), "among": among.getvalue()}
+    torch.save(
+        {"format": 2, "name": "raft", "weights": {"a": torch.zeros(2)}, "rule": Hostile(marker)},
+        among,
+    )
+    return {
+        "bare": pickle.dumps(Hostile(marker)),
+        "alone": alone.getvalue(),
+        "among": among.getvalue(),
+    }
 
 
 def with_right_hash(payload: bytes) -> bytes:
@@ -94,7 +105,9 @@ def test_a_hostile_predictor_policy_or_checkpoint_is_not_executed(tmp_path, mark
     for name in ("raft.predictor", "full.1.policy"):
         (tmp_path / name).write_bytes(content)
         with pytest.raises(CheckpointError) as caught:
-            load_predictor(tmp_path / name) if name.endswith("predictor") else load_state(tmp_path / name, "run the workflow")
+            load_predictor(tmp_path / name) if name.endswith("predictor") else load_state(
+                tmp_path / name, "run the workflow"
+            )
         assert name in one_line(caught) and "run the workflow" in one_line(caught)
     checkpoint = Checkpoint(tmp_path / "out.parquet", "settings")
     checkpoint.path.write_bytes(content)
@@ -126,10 +139,30 @@ def test_a_hostile_array_in_an_archive_of_arrays_is_not_executed(tmp_path, marke
         {"format": _FORMAT, "name": "difference"},
         {"format": _FORMAT, "name": "raft", "rule": [0.5]},
         {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": 3},
-        {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": {"architecture": 3, "weights": {}}},
-        {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": {"architecture": {"no_such": 3}, "weights": {}}},
-        {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": {"architecture": {}, "weights": 3}},
-        {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": {"architecture": {}, "weights": {"a": 3}}},
+        {
+            "format": _FORMAT,
+            "name": "raft",
+            "rule": [0.5],
+            "model": {"architecture": 3, "weights": {}},
+        },
+        {
+            "format": _FORMAT,
+            "name": "raft",
+            "rule": [0.5],
+            "model": {"architecture": {"no_such": 3}, "weights": {}},
+        },
+        {
+            "format": _FORMAT,
+            "name": "raft",
+            "rule": [0.5],
+            "model": {"architecture": {}, "weights": 3},
+        },
+        {
+            "format": _FORMAT,
+            "name": "raft",
+            "rule": [0.5],
+            "model": {"architecture": {}, "weights": {"a": 3}},
+        },
     ],
     ids=str,
 )
@@ -148,7 +181,12 @@ def test_a_policy_that_lacks_something_is_refused(default_config, model):
 
 # ---- YAML ------------------------------------------------------------------------------------------------------------------
 
-TAGS = ["!!python/object/apply:os.mkdir ['{}']", "!!python/object/new:os.mkdir ['{}']", "!!python/name:os.system", "!!python/module:antigravity"]
+TAGS = [
+    "!!python/object/apply:os.mkdir ['{}']",
+    "!!python/object/new:os.mkdir ['{}']",
+    "!!python/name:os.system",
+    "!!python/module:antigravity",
+]
 
 
 @pytest.mark.parametrize("tag", TAGS)
@@ -167,8 +205,22 @@ def test_an_overlay_is_read_as_the_rest(tmp_path, marker):
         load(DEFAULT, tmp_path / "overlay.yaml")
 
 
-@pytest.mark.parametrize(("read", "error"), [(load_robot, RobotError), (load_scene, SceneError)], ids=["robot", "scene"])
-@pytest.mark.parametrize("content", [b"a: 1\na: 2\n", b"a: " + b"[" * 9000, b"a: &a [*a]", b"\xff\xff", b"a: 2020-13-13", b"a: 0x_", b"3", b""])
+@pytest.mark.parametrize(
+    ("read", "error"), [(load_robot, RobotError), (load_scene, SceneError)], ids=["robot", "scene"]
+)
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"a: 1\na: 2\n",
+        b"a: " + b"[" * 9000,
+        b"a: &a [*a]",
+        b"\xff\xff",
+        b"a: 2020-13-13",
+        b"a: 0x_",
+        b"3",
+        b"",
+    ],
+)
 def test_strange_robots_and_scenes_are_refused_in_one_line(tmp_path, read, error, content):
     (tmp_path / "odd.yaml").write_bytes(content)
     with pytest.raises(error) as caught:
@@ -197,7 +249,18 @@ MESH = "<robot name='r'><link name='a'><visual><geometry><mesh filename='{}'/></
         MESH.format("/dev/zero").encode(),
         MESH.format("/etc/passwd").encode(),
     ],
-    ids=["outer-entity", "parameter-entity", "entities-of-entities", "no-encoding", "utf-7", "deep", "long-name", "main", "device", "no-mesh"],
+    ids=[
+        "outer-entity",
+        "parameter-entity",
+        "entities-of-entities",
+        "no-encoding",
+        "utf-7",
+        "deep",
+        "long-name",
+        "main",
+        "device",
+        "no-mesh",
+    ],
 )
 def test_a_hostile_urdf_is_refused_in_one_line(tmp_path, content):
     (tmp_path / "odd.urdf").write_bytes(content)
@@ -222,7 +285,9 @@ def test_a_mesh_elsewhere_is_read_and_nothing_is_written_there(tmp_path):
     shared.mkdir(), own.mkdir()
     floor = trimesh.creation.box((4.0, 4.0, 0.1))
     floor.export(shared / "room.obj")
-    (shared / "room.obj").write_text("mtllib ../../no/such.mtl\n" + (shared / "room.obj").read_text())
+    (shared / "room.obj").write_text(
+        "mtllib ../../no/such.mtl\n" + (shared / "room.obj").read_text()
+    )
     (own / "scene.yaml").write_text("kind: mesh\nname: a\nmesh: ../shared/room.obj\n")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     assert load_scene(own / "scene.yaml").areas
@@ -253,7 +318,27 @@ def test_a_mesh_that_is_none_is_refused_in_one_line(tmp_path, marker, suffix):
 
 
 @pytest.mark.parametrize(
-    "name", ["../a", "a/b", "/a", "..", ".", "", "a b", "$(a)", "a;b", "`a`", "a'b", 'a"b', "a\n", "{a}", "-a", "A", "a\0", "a" * 41]
+    "name",
+    [
+        "../a",
+        "a/b",
+        "/a",
+        "..",
+        ".",
+        "",
+        "a b",
+        "$(a)",
+        "a;b",
+        "`a`",
+        "a'b",
+        'a"b',
+        "a\n",
+        "{a}",
+        "-a",
+        "A",
+        "a\0",
+        "a" * 41,
+    ],
 )
 def test_no_name_can_be_more_than_a_name(tmp_path, name):
     layers = [
@@ -270,14 +355,33 @@ def test_no_name_can_be_more_than_a_name(tmp_path, name):
         one_line(caught)
 
 
-@pytest.mark.parametrize("results", ["..", "../a", "a/..", "a/../../b", "/a/../b", "-a", "--help", "{a}", "~/a", "a\nb", "a\0b", "*", "?"])
+@pytest.mark.parametrize(
+    "results",
+    [
+        "..",
+        "../a",
+        "a/..",
+        "a/../../b",
+        "/a/../b",
+        "-a",
+        "--help",
+        "{a}",
+        "~/a",
+        "a\nb",
+        "a\0b",
+        "*",
+        "?",
+    ],
+)
 def test_results_lie_where_the_config_says(tmp_path, results):
     (tmp_path / "layer.yaml").write_text(yaml.safe_dump({"results": results}))
     with pytest.raises(ConfigError, match="results"):
         load(DEFAULT, tmp_path / "layer.yaml")
 
 
-@pytest.mark.parametrize("results", ["a", "/a/b", "a b", "a'b", "$(a)", "..a", "a..", "a/...", "a;b", "a`b`"])
+@pytest.mark.parametrize(
+    "results", ["a", "/a/b", "a b", "a'b", "$(a)", "..a", "a..", "a/...", "a;b", "a`b`"]
+)
 def test_any_other_folder_may_hold_results(tmp_path, results):
     (tmp_path / "layer.yaml").write_text(yaml.safe_dump({"results": results}))
     assert load(DEFAULT, tmp_path / "layer.yaml").folder == Path(results) / "default"
@@ -299,7 +403,9 @@ FORBIDDEN = {
 
 @pytest.mark.parametrize("pattern", FORBIDDEN)
 def test_nothing_in_the_code_could_execute_a_file(pattern):
-    guilty = {str(path.relative_to(PACKAGE)) for path in SOURCES if re.search(pattern, path.read_text())}
+    guilty = {
+        str(path.relative_to(PACKAGE)) for path in SOURCES if re.search(pattern, path.read_text())
+    }
     assert guilty == FORBIDDEN[pattern]
 
 
@@ -307,8 +413,15 @@ def test_whatever_torch_reads_is_weights_only():
     calls = []
     for path in SOURCES:
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("torch.load", "torch.hub.load_state_dict_from_url"):
-                calls.append({keyword.arg: ast.unparse(keyword.value) for keyword in node.keywords}.get("weights_only"))
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in (
+                "torch.load",
+                "torch.hub.load_state_dict_from_url",
+            ):
+                calls.append(
+                    {keyword.arg: ast.unparse(keyword.value) for keyword in node.keywords}.get(
+                        "weights_only"
+                    )
+                )
     assert calls and set(calls) == {"True"}
 
 

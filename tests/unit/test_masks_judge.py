@@ -6,10 +6,24 @@ import numpy as np
 import pytest
 import torch
 
-from sensory_commutativity.masks.cycle import Recipe
-from sensory_commutativity.masks.judge import CHANNELS, SIDE, PlaceJudge, close_ups, emptiness, exchanged, judged, places_of
-from sensory_commutativity.masks.judging import JudgeTrainer, Places, _recoloured, places_in
-from sensory_commutativity.masks.predictor import MaskPredictor, PredictorError
+from sensory_commutativity.change_detection.models.view_classifier import (
+    CHANNELS,
+    SIDE,
+    PlaceJudge,
+    close_ups,
+    emptiness,
+    exchanged,
+    judged,
+    places_of,
+)
+from sensory_commutativity.change_detection.predictor import MaskPredictor, PredictorError
+from sensory_commutativity.change_detection.training.trainer import Recipe
+from sensory_commutativity.change_detection.training.view_classifier_trainer import (
+    JudgeTrainer,
+    Places,
+    _recoloured,
+    places_in,
+)
 
 
 def one_pair(side: int = 64) -> tuple[np.ndarray, np.ndarray]:
@@ -30,14 +44,24 @@ class Told(torch.nn.Module):
 
 def test_places_are_what_is_connected_over_both_views():
     maps, _ = one_pair()
-    maps[0, 4:10, 4:10], maps[1, 10:14, 10:14], maps[1, 40:44, 40:44], maps[0, 60, 60] = 0.9, 0.9, 0.6, 0.4
+    maps[0, 4:10, 4:10], maps[1, 10:14, 10:14], maps[1, 40:44, 40:44], maps[0, 60, 60] = (
+        0.9,
+        0.9,
+        0.6,
+        0.4,
+    )
     found = places_of(maps)
     assert [int(place.sum()) for place in found] == [36 + 16, 16]
     assert places_of(np.zeros_like(maps)) == []
 
 
-@pytest.mark.parametrize(("top", "left", "height", "width"), [(20, 30, 8, 12), (0, 0, 10, 6), (54, 50, 10, 14), (10, 10, 40, 30)])
-def test_a_close_up_shows_a_place_in_its_middle_and_nothing_outside_of_the_picture(top, left, height, width):
+@pytest.mark.parametrize(
+    ("top", "left", "height", "width"),
+    [(20, 30, 8, 12), (0, 0, 10, 6), (54, 50, 10, 14), (10, 10, 40, 30)],
+)
+def test_a_close_up_shows_a_place_in_its_middle_and_nothing_outside_of_the_picture(
+    top, left, height, width
+):
     maps, pictures = one_pair()
     rows, columns = slice(top, top + height), slice(left, left + width)
     maps[0, rows, columns] = 1.0
@@ -49,7 +73,9 @@ def test_a_close_up_shows_a_place_in_its_middle_and_nothing_outside_of_the_pictu
     assert middle[3:6].tolist() == pytest.approx([1.0, -1.0, 0.0], abs=0.01)
     assert middle[6:].tolist() == pytest.approx([1.0, 0.0, 1.0], abs=1e-5)
     shown = max(16.0, 1.7 * max(height, width))
-    assert float(seen[0, 8].mean()) == pytest.approx(height * width / shown**2, rel=0.2)  # all of it is in sight
+    assert float(seen[0, 8].mean()) == pytest.approx(
+        height * width / shown**2, rel=0.2
+    )  # all of it is in sight
     beyond = top + height / 2 - shown / 2 < -1 - shown / SIDE
     assert beyond == bool((seen[0, :, 0] == 0).all())
 
@@ -79,11 +105,15 @@ def test_what_follows_from_a_verdict(empty):
         elif empty[view] > 0.5:
             assert not (found[view] > 0.5).any()
         else:
-            assert (found[view, 4:20, 4:20] == np.float32(0.9)).all() and (found[view, 40:44, 40:44] == np.float32(0.8)).all()
+            assert (found[view, 4:20, 4:20] == np.float32(0.9)).all() and (
+                found[view, 40:44, 40:44] == np.float32(0.8)
+            ).all()
         assert found[view, 60, 60] == np.float32(0.3)
     assert not judged(Told(0.9, 0.9), np.zeros((1, 2, 64, 64), np.float32), pictures[None]).any()
     everything = np.full((1, 2, 64, 64), 0.9, np.float32)
-    assert np.array_equal(judged(Told(*empty), everything, pictures[None]), everything)  # another view stays one
+    assert np.array_equal(
+        judged(Told(*empty), everything, pictures[None]), everything
+    )  # another view stays one
 
 
 class Both(torch.nn.Module):
@@ -109,21 +139,27 @@ def test_places_to_learn_from_are_labelled_by_the_true_masks():
     pictures, masks = bright(5)
     pictures[4] = 255  # taken for different: no place
     places = places_in(MaskPredictor("raft", Both()), pictures, masks)
-    assert places.close_ups.shape == (4, CHANNELS, SIDE, SIDE) and places.close_ups.dtype == np.float16
+    assert (
+        places.close_ups.shape == (4, CHANNELS, SIDE, SIDE) and places.close_ups.dtype == np.float16
+    )
     assert np.array_equal(places.empty, ~masks[:4].any((2, 3)))
     none = places_in(MaskPredictor("raft", Both()), np.zeros_like(pictures), masks)
     assert none.close_ups.shape == (0, CHANNELS, SIDE, SIDE) and none.empty.shape == (0, 2)
 
 
 def test_places_of_a_predictor_with_a_judge_are_refused():
-    with pytest.raises(PredictorError, match="has a judge already; give the one that mask-training wrote"):
+    with pytest.raises(
+        PredictorError, match="has a judge already; give the one that mask-training wrote"
+    ):
         places_in(MaskPredictor("raft", Both(), judge=PlaceJudge(4)), *bright(1))
 
 
 def test_a_first_look_is_not_judged():
     pictures, _ = bright(2)
     predictor = MaskPredictor("raft", Both(), judge=Told(0.9, 0.9))
-    assert (predictor.probabilities(pictures, again=False) > 0.5).any() and not (predictor.probabilities(pictures) > 0.5).any()
+    assert (predictor.probabilities(pictures, again=False) > 0.5).any() and not (
+        predictor.probabilities(pictures) > 0.5
+    ).any()
 
 
 def test_colours_change_alike_in_both_pictures_and_nothing_outside_of_them():
@@ -141,7 +177,9 @@ def some_places(n: int, seed: int = 0) -> Places:
 
 
 def test_a_judge_learns_which_view_shows_nothing_and_mends_what_a_model_says():
-    trainer = JudgeTrainer(some_places(30), Recipe(visits=960, batch_size=16, learning_rate=5e-3), seed=1, width=8)
+    trainer = JudgeTrainer(
+        some_places(30), Recipe(visits=960, batch_size=16, learning_rate=5e-3), seed=1, width=8
+    )
     while not trainer.finished:
         trainer.advance()
     pictures, masks = bright(20, seed=9)

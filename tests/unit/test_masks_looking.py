@@ -6,17 +6,16 @@ import json
 
 import numpy as np
 import pytest
+from sensory_commutativity.helpers import DEFAULT
 
-from sensory_commutativity.config import load, merge, validate
-from sensory_commutativity.masks.decision import Rule
-from sensory_commutativity.masks.experiments import COMPARISONS, KINDS
-from sensory_commutativity.masks.from_config import tuple_jobs, tuple_runs
-from sensory_commutativity.masks.outcome import OUTCOMES
-from sensory_commutativity.masks.store import StoreError, pack, write_arrays
-from sensory_commutativity.stages import local_scp, mask_alternatives, mask_scores
-from sensory_commutativity.tables import read_table
-
-from ..helpers import DEFAULT
+from sensory_commutativity.change_detection.decision import Rule
+from sensory_commutativity.change_detection.outcome import OUTCOMES
+from sensory_commutativity.change_detection.simulated.object_experiments import COMPARISONS, KINDS
+from sensory_commutativity.storage.arrays import StoreError, pack, write_arrays
+from sensory_commutativity.storage.tables import read_table
+from sensory_commutativity.studies.loading import load, merge, validate
+from sensory_commutativity.studies.objects.builders import tuple_jobs, tuple_runs
+from sensory_commutativity.studies.objects.tables import local_scp, mask_alternatives, mask_scores
 
 IDENTICAL, DIFFERENT, MOVED = range(3)
 SIZE, PER_JOB, N = 64, 5, 9
@@ -51,7 +50,12 @@ class Obedient:
 @pytest.fixture(scope="module")
 def config():
     tests = {"experiments": N, "tuples": 2, "experiments_per_job": PER_JOB}
-    return validate(merge(load(DEFAULT).model_dump(mode="json"), {"masks": {"tests": tests, "map": {"experiments": 3}}}))
+    return validate(
+        merge(
+            load(DEFAULT).model_dump(mode="json"),
+            {"masks": {"tests": tests, "map": {"experiments": 3}}},
+        )
+    )
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +84,12 @@ def played(config, tmp_path_factory):
         known[run.name] = {"said": said, **arrays}
         files[run.name] = [folder / f"{run.name}.{i}.h5" for i in range(tuple_jobs(config))]
         for i, path in enumerate(files[run.name]):
-            write_arrays(path, mask_scores.CONTENT, {name: array[i * PER_JOB : (i + 1) * PER_JOB] for name, array in arrays.items()}, {})
+            write_arrays(
+                path,
+                mask_scores.CONTENT,
+                {name: array[i * PER_JOB : (i + 1) * PER_JOB] for name, array in arrays.items()},
+                {},
+            )
     return files, known
 
 
@@ -103,10 +112,20 @@ def predictor(tmp_path):
     return tmp_path / "raft.predictor"
 
 
-def test_scores_are_of_the_first_tuples_through_the_right_camera(config, played, predictor, tmp_path, monkeypatch):
+def test_scores_are_of_the_first_tuples_through_the_right_camera(
+    config, played, predictor, tmp_path, monkeypatch
+):
     (files, known), out = played, tmp_path / "scores.parquet"
-    asked = killed_and_resumed(mask_scores, lambda: mask_scores.write_model_scores(config, predictor, "raft", files, out), out, monkeypatch, 6)
-    assert 0 < asked < sum(len(run.sets) for run in tuple_runs(config).values()) * tuple_jobs(config)  # what was done is not done again
+    asked = killed_and_resumed(
+        mask_scores,
+        lambda: mask_scores.write_model_scores(config, predictor, "raft", files, out),
+        out,
+        monkeypatch,
+        6,
+    )
+    assert (
+        0 < asked < sum(len(run.sets) for run in tuple_runs(config).values()) * tuple_jobs(config)
+    )  # what was done is not done again
     table = read_table("mask_scores", out)
     for run in tuple_runs(config).values():
         for k, test_set in enumerate(run.sets):
@@ -114,25 +133,37 @@ def test_scores_are_of_the_first_tuples_through_the_right_camera(config, played,
             said, truth = known[run.name]["said"][:, k, 0], known[run.name]["outcome"][:, k, 0]
             wanted = np.sort(np.concatenate([np.nonzero(truth == o)[0][:2] for o in range(3)]))
             assert rows["experiment"].tolist() == wanted.tolist()
-            assert rows["household"].tolist() == (wanted // PER_JOB).tolist() and rows["kind"].tolist() == [KINDS[i % 2] for i in wanted]
+            assert rows["household"].tolist() == (wanted // PER_JOB).tolist() and rows[
+                "kind"
+            ].tolist() == [KINDS[i % 2] for i in wanted]
             assert rows["outcome_true"].tolist() == [OUTCOMES[o] for o in truth[wanted]]
             assert rows["outcome_predicted"].tolist() == [OUTCOMES[o] for o in said[wanted]]
             right = rows[(rows["outcome_true"] == "moved") & (rows["outcome_predicted"] == "moved")]
-            assert (right[["iou_1", "iou_2"]] == 0.5).all(axis=None) and (right["intersection"] == 400).all() and (right["union"] == 800).all()
+            assert (
+                (right[["iou_1", "iou_2"]] == 0.5).all(axis=None)
+                and (right["intersection"] == 400).all()
+                and (right["union"] == 800).all()
+            )
 
 
-def test_alternatives_are_those_of_every_experiment(config, played, predictor, tmp_path, monkeypatch):
+def test_alternatives_are_those_of_every_experiment(
+    config, played, predictor, tmp_path, monkeypatch
+):
     (files, known), out = played, tmp_path / "alternatives.parquet"
 
     def write():
         mask_alternatives.write_alternatives(config, predictor, files["as-trained"], out)
 
-    assert killed_and_resumed(mask_alternatives, write, out, monkeypatch, 4) == len(COMPARISONS)  # the second of two households
+    assert killed_and_resumed(mask_alternatives, write, out, monkeypatch, 4) == len(
+        COMPARISONS
+    )  # the second of two households
     table, arrays = read_table("mask_alternatives", out), known["as-trained"]
     assert len(table) == N * len(COMPARISONS)
     for k, comparison in enumerate(COMPARISONS):
         rows = table[table["comparison"] == comparison]
-        assert rows["experiment"].tolist() == list(range(N)) and rows["household"].tolist() == [i // PER_JOB for i in range(N)]
+        assert rows["experiment"].tolist() == list(range(N)) and rows["household"].tolist() == [
+            i // PER_JOB for i in range(N)
+        ]
         assert rows["outcome_true"].tolist() == [OUTCOMES[o] for o in arrays["outcome"][:, 0, k]]
         assert rows["outcome_predicted"].tolist() == [OUTCOMES[o] for o in arrays["said"][:, 0, k]]
         assert (rows["touched"].to_numpy() == arrays["touched_fixed"]).all()
@@ -142,7 +173,10 @@ def test_alternatives_are_those_of_every_experiment(config, played, predictor, t
 
 
 def test_the_local_scp_is_that_of_each_place(config, predictor, tmp_path, monkeypatch):
-    files, called = [], np.random.default_rng(0).integers(3, size=(2, 4, 3))  # files, places, experiments
+    files, called = (
+        [],
+        np.random.default_rng(0).integers(3, size=(2, 4, 3)),
+    )  # files, places, experiments
     for i, of_file in enumerate(called):
         pictures = np.zeros((12, 2, SIZE, SIZE, 3), np.uint8)
         pictures[:, 0, 0, 0, 0] = of_file.ravel()
@@ -154,22 +188,47 @@ def test_the_local_scp_is_that_of_each_place(config, predictor, tmp_path, monkey
             over_low=np.array([True, True, False, False]),
         )
         files.append(tmp_path / f"{i}.h5")
-        about = dict(dof="shoulder-pan", rooms=json.dumps(["a", "b", "c", "d"]), nearest=json.dumps(["wall", "", "wall", ""]))
+        about = dict(
+            dof="shoulder-pan",
+            rooms=json.dumps(["a", "b", "c", "d"]),
+            nearest=json.dumps(["wall", "", "wall", ""]),
+        )
         write_arrays(files[-1], local_scp.CONTENT, arrays, about)
     out = tmp_path / "local_scp.parquet"
-    assert killed_and_resumed(local_scp, lambda: local_scp.write_local_scp(config, files, predictor, out), out, monkeypatch, 2) == 1
+    assert (
+        killed_and_resumed(
+            local_scp,
+            lambda: local_scp.write_local_scp(config, files, predictor, out),
+            out,
+            monkeypatch,
+            2,
+        )
+        == 1
+    )
     table = read_table("local_scp", out)
     different = (called == DIFFERENT).sum(2).ravel()
-    assert table["different"].tolist() == different.tolist() and table["scp"].tolist() == pytest.approx(1 - different / 3)
-    assert table["x"].tolist() == [3.0 * i for i in range(8)] and table["room"].tolist() == list("abcd") * 2
-    assert table["within_reach"].tolist() == [True, False] * 4 and table["over_low"].tolist() == [False, True, False, False] * 2
+    assert table["different"].tolist() == different.tolist() and table[
+        "scp"
+    ].tolist() == pytest.approx(1 - different / 3)
+    assert (
+        table["x"].tolist() == [3.0 * i for i in range(8)]
+        and table["room"].tolist() == list("abcd") * 2
+    )
+    assert (
+        table["within_reach"].tolist() == [True, False] * 4
+        and table["over_low"].tolist() == [False, True, False, False] * 2
+    )
     assert (table["scp_true"] == 1).all()
     other = validate(merge(config.model_dump(mode="json"), {"masks": {"map": {"experiments": 6}}}))
-    with pytest.raises(StoreError, match="3 experiments at a place, where the configuration asks for 6"):
+    with pytest.raises(
+        StoreError, match="3 experiments at a place, where the configuration asks for 6"
+    ):
         local_scp.write_local_scp(other, files, predictor, out)
 
 
-def test_a_stage_starts_anew_with_another_predictor(config, played, predictor, tmp_path, monkeypatch):
+def test_a_stage_starts_anew_with_another_predictor(
+    config, played, predictor, tmp_path, monkeypatch
+):
     out = tmp_path / "alternatives.parquet"
 
     def write():

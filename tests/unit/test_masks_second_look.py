@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from sensory_commutativity.masks.predictor import MODELS, SURE, MaskPredictor
-from sensory_commutativity.masks.second_look import WAYS, farther, look_again, look_from_farther
+from sensory_commutativity.change_detection.predictor import MODELS, SURE, MaskPredictor
+from sensory_commutativity.change_detection.tta import WAYS, farther, look_again, look_from_farther
 
 
 class Brightness:
@@ -23,7 +23,9 @@ class Brightness:
 
 def smooth(n: int, side: int = 128) -> torch.Tensor:
     waves = torch.sin(torch.linspace(0, 3, side))
-    return (waves[:, None] * waves[None, :]).expand(n, 2, 3, side, side) * torch.tensor([1.0, 0.5])[None, :, None, None, None]
+    return (waves[:, None] * waves[None, :]).expand(n, 2, 3, side, side) * torch.tensor([1.0, 0.5])[
+        None, :, None, None, None
+    ]
 
 
 def changed(n: int, side: int, rows: slice, columns: slice) -> np.ndarray:
@@ -44,7 +46,9 @@ def test_what_is_small_is_seen_nearer():
     see, pictures = Brightness(), torch.zeros(1, 2, 3, 128, 128)
     pictures[0, 0, :, 10:20, 118:128] = 1.0
     logits = look_again(see, pictures, changed(1, 128, slice(10, 20), slice(118, 128)))
-    assert float(see.shown[len(WAYS)][0, 0].mean()) == pytest.approx(4 * float(pictures[0, 0].mean()), rel=0.05)
+    assert float(see.shown[len(WAYS)][0, 0].mean()) == pytest.approx(
+        4 * float(pictures[0, 0].mean()), rel=0.05
+    )
     assert logits[0, 0, 12:18, 120:126].min() > 0.95 and not logits[0, 1].any()
 
 
@@ -56,7 +60,13 @@ def test_pictures_that_cannot_be_halved_are_seen_as_they_are():
 
 def test_pairs_of_either_kind_keep_their_places():
     pictures = torch.arange(3.0)[:, None, None, None, None].expand(3, 2, 3, 128, 128)
-    where = np.concatenate([changed(1, 128, slice(0, 9), slice(0, 9)), changed(1, 128, slice(0, 128), slice(0, 9)), np.zeros((1, 128, 128), bool)])
+    where = np.concatenate(
+        [
+            changed(1, 128, slice(0, 9), slice(0, 9)),
+            changed(1, 128, slice(0, 128), slice(0, 9)),
+            np.zeros((1, 128, 128), bool),
+        ]
+    )
     assert torch.allclose(look_again(Brightness(), pictures, where), pictures.mean(2), atol=1e-5)
 
 
@@ -66,7 +76,11 @@ def test_a_look_from_farther():
     assert len(see.shown) == len(WAYS) and see.shown[-1].shape[-1] == 64
     with pytest.raises(ValueError, match="96 x 128 pixels cannot be halved"):
         look_from_farther(see, torch.zeros(1, 2, 3, 96, 128))
-    assert farther((128, 160)) == (64, 64) and farther((192, 128)) == (96, 64) and farther((128, 96)) is None
+    assert (
+        farther((128, 160)) == (64, 64)
+        and farther((192, 128)) == (96, 64)
+        and farther((128, 96)) is None
+    )
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -98,6 +112,11 @@ class Doubtful(torch.nn.Module):
 def test_what_only_just_seems_different_is_seen_from_farther(probability, looks_again):
     model = Doubtful(probability)
     found = MaskPredictor("raft", model).probabilities(np.zeros((1, 2, 128, 128, 3), np.uint8))
-    assert (found.mean() < 0.1) == looks_again and model.sides == [128, *([64] * len(WAYS) if looks_again else [])]
-    small = MaskPredictor("raft", model).probabilities(np.zeros((1, 2, 64, 64, 3), np.uint8))  # cannot be halved
+    assert (found.mean() < 0.1) == looks_again and model.sides == [
+        128,
+        *([64] * len(WAYS) if looks_again else []),
+    ]
+    small = MaskPredictor("raft", model).probabilities(
+        np.zeros((1, 2, 64, 64, 3), np.uint8)
+    )  # cannot be halved
     assert small.shape == (1, 2, 64, 64)

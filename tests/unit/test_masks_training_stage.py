@@ -7,20 +7,24 @@ import pytest
 import torch
 from click.testing import CliRunner
 from PIL import Image
+from sensory_commutativity.helpers import DEFAULT
 
+from sensory_commutativity.change_detection.models.view_classifier import CHANNELS, SIDE
+from sensory_commutativity.change_detection.predictor import MODELS, MaskPredictor, load_predictor
+from sensory_commutativity.change_detection.simulated.pairs import Pair
+from sensory_commutativity.change_detection.training import trainer as cycle
+from sensory_commutativity.change_detection.training.mask_trainer import Trainer
+from sensory_commutativity.change_detection.training.view_classifier_trainer import (
+    JudgeTrainer,
+    Places,
+)
 from sensory_commutativity.cli import main
-from sensory_commutativity.config import load, validate
-from sensory_commutativity.masks import cycle
-from sensory_commutativity.masks.judge import CHANNELS, SIDE
-from sensory_commutativity.masks.judging import JudgeTrainer, Places
-from sensory_commutativity.masks.pairs import Pair
-from sensory_commutativity.masks.predictor import MODELS, MaskPredictor, load_predictor
-from sensory_commutativity.masks.store import Pairs, write_arrays, write_pairs
-from sensory_commutativity.masks.training import Trainer
-from sensory_commutativity.stages import mask_judging, mask_places, mask_training
-from sensory_commutativity.tables import read_table
-
-from ..helpers import DEFAULT
+from sensory_commutativity.storage.arrays import Pairs, write_arrays, write_pairs
+from sensory_commutativity.storage.tables import read_table
+from sensory_commutativity.studies.loading import load, validate
+from sensory_commutativity.studies.objects.data import mask_places
+from sensory_commutativity.studies.objects.models import mask_model as mask_training
+from sensory_commutativity.studies.objects.models import view_classifier as mask_judging
 
 SIZE = 128
 
@@ -63,7 +67,12 @@ def config(monkeypatch):
 
 def trained(files, config, name: str) -> None:
     mask_training.write_training(
-        config, "flownet", [files / "training.h5"], [files / "validation.h5"], files / f"{name}.parquet", files / f"{name}.predictor"
+        config,
+        "flownet",
+        [files / "training.h5"],
+        [files / "validation.h5"],
+        files / f"{name}.parquet",
+        files / f"{name}.predictor",
     )
 
 
@@ -87,17 +96,29 @@ def test_a_killed_training_ends_as_one_that_was_not(files, config, monkeypatch, 
     trained(files, config, "killed")
     assert steps == [0, 1, 2, 2, 3, 4, 5, 6, 6, 7, 8, 9, 10, 11]
     assert (files / "killed.predictor").read_bytes() == (files / "whole.predictor").read_bytes()
-    assert read_table("mask_curves", files / "killed.parquet").equals(read_table("mask_curves", files / "whole.parquet"))
+    assert read_table("mask_curves", files / "killed.parquet").equals(
+        read_table("mask_curves", files / "whole.parquet")
+    )
     assert not list(files.glob(".*")), "checkpoints are left"
 
 
 def some_places(n: int, seed: int = 0) -> Places:
-    return Places(np.random.default_rng(seed).uniform(size=(n, CHANNELS, SIDE, SIDE)).astype(np.float16), np.eye(n, 2, dtype=bool))
+    return Places(
+        np.random.default_rng(seed).uniform(size=(n, CHANNELS, SIDE, SIDE)).astype(np.float16),
+        np.eye(n, 2, dtype=bool),
+    )
 
 
 def judged(files, config, name: str, places: str = "places") -> MaskPredictor:
     out = files / f"{name}.predictor"
-    mask_judging.write_judged(config, "flownet", files / "model.predictor", [files / f"{places}.h5"], [files / "validation.h5"], out)
+    mask_judging.write_judged(
+        config,
+        "flownet",
+        files / "model.predictor",
+        [files / f"{places}.h5"],
+        [files / "validation.h5"],
+        out,
+    )
     return load_predictor(out)
 
 
@@ -105,7 +126,9 @@ def test_a_killed_judging_ends_as_one_that_was_not(files, config, monkeypatch):
     trained(files, config, "model")
     assert load_predictor(files / "model.predictor").judge is None
     write_arrays(files / "places.h5", "places", some_places(9)._asdict(), {})
-    monkeypatch.setattr(mask_judging, "quality", lambda *_: (0.5, 0.5))  # what it is taught helps nobody
+    monkeypatch.setattr(
+        mask_judging, "quality", lambda *_: (0.5, 0.5)
+    )  # what it is taught helps nobody
     assert judged(files, config, "whole").judge is not None
     monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
     advance, steps = JudgeTrainer.advance, []
@@ -135,12 +158,21 @@ def test_places_are_found_in_the_first_pairs_in_which_something_moved(files, con
 
     monkeypatch.setattr(mask_places, "places_in", seen)
     for name in "ab":
-        mask_places.write_mask_places(config, "flownet", files / "model.predictor", files / "training.h5", files / f"{name}.h5")
+        mask_places.write_mask_places(
+            config,
+            "flownet",
+            files / "model.predictor",
+            files / "training.h5",
+            files / f"{name}.h5",
+        )
     moved = [pair for pair in made_up(9, 1) if pair.outcome == "moved"][:2]
     assert np.array_equal(shown[0][0], np.stack([pair.pictures for pair in moved]))
     assert np.array_equal(shown[0][1], np.stack([pair.masks for pair in moved]))
     kept = mask_places.read_places(files / "a.h5", files / "b.h5")
-    assert all(np.array_equal(both, np.concatenate(parts)) for both, *parts in zip(kept, *given, strict=True))
+    assert all(
+        np.array_equal(both, np.concatenate(parts))
+        for both, *parts in zip(kept, *given, strict=True)
+    )
 
 
 class SaysEmpty(torch.nn.Module):
@@ -158,17 +190,29 @@ class SaysEmpty(torch.nn.Module):
 def test_a_judge_is_kept_unless_it_harms(view, kept, capsys):
     pictures, masks = np.zeros((2, 2, SIZE, SIZE, 3), np.uint8), np.zeros((2, 2, SIZE, SIZE), bool)
     masks[:, 0, 10:30, 10:30] = True
-    found = np.repeat(masks.any(1)[:, None], 2, 1).astype(np.float32)  # seen in both views, and is in the first alone
-    predictor, pairs = MaskPredictor("flownet", MODELS["flownet"](scale=0.05)), Pairs(pictures, masks, np.full(2, 2, np.int8), ("moved",) * 2)
+    found = np.repeat(masks.any(1)[:, None], 2, 1).astype(
+        np.float32
+    )  # seen in both views, and is in the first alone
+    predictor, pairs = (
+        MaskPredictor("flownet", MODELS["flownet"](scale=0.05)),
+        Pairs(pictures, masks, np.full(2, 2, np.int8), ("moved",) * 2),
+    )
     after = mask_judging.given_a_judge(predictor, SaysEmpty(view), found, pairs)
     assert (predictor.judge is not None) == kept
     assert np.array_equal(after > 0.5, masks if kept else found > 0.5)
-    assert ("left out; show it more places (masks.judge.visits)" in capsys.readouterr().err) == (not kept)
+    assert ("left out; show it more places (masks.judge.visits)" in capsys.readouterr().err) == (
+        not kept
+    )
 
 
 def test_a_model_that_finds_no_place_gets_no_judge(files, config):
     trained(files, config, "model")
-    write_arrays(files / "none.h5", "places", Places(np.zeros((0, CHANNELS, SIDE, SIDE), np.float16), np.zeros((0, 2), bool))._asdict(), {})
+    write_arrays(
+        files / "none.h5",
+        "places",
+        Places(np.zeros((0, CHANNELS, SIDE, SIDE), np.float16), np.zeros((0, 2), bool))._asdict(),
+        {},
+    )
     assert judged(files, config, "alone", "none").judge is None
 
 
@@ -177,6 +221,16 @@ def test_a_trained_predictor_from_the_command_line(files, config):
     assert load_predictor(files / "model.predictor", "flownet").name == "flownet"
     for name, picture in zip("ab", made_up(3, 5)[2].pictures, strict=True):
         Image.fromarray(picture).save(files / f"{name}.png")
-    said = CliRunner().invoke(main, ["masks", "predict", str(files / "a.png"), str(files / "b.png"), "--predictor", str(files / "model.predictor")])
+    said = CliRunner().invoke(
+        main,
+        [
+            "masks",
+            "predict",
+            str(files / "a.png"),
+            str(files / "b.png"),
+            "--predictor",
+            str(files / "model.predictor"),
+        ],
+    )
     assert said.exit_code == 0 and "b-moved.png" in said.output
     assert Image.open(files / "b-moved.png").size == (2 * SIZE, SIZE)

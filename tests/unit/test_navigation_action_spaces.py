@@ -9,8 +9,15 @@ import pytest
 from gymnasium import spaces
 from gymnasium.vector import SyncVectorEnv
 
-from sensory_commutativity.navigation.action_spaces import ACTION_SPACES, ScaledAction, ScaledActions, ScpError, action_scales, scp_of
-from sensory_commutativity.navigation.from_config import scales_of_run
+from sensory_commutativity.navigation.action_spaces import (
+    ACTION_SPACES,
+    ScaledAction,
+    ScaledActions,
+    ScpError,
+    action_scales,
+    scp_of,
+)
+from sensory_commutativity.studies.navigation.builders import scales_of_run
 
 SCP = {"a": 0.9, "b": 0.5, "c": 1.0, "d": 0.6}
 
@@ -40,8 +47,14 @@ def test_ties_go_by_the_order_of_the_actions_and_odd_numbers_keep_the_larger_hal
 
 def test_a_random_half_is_the_same_for_the_same_run_and_different_for_others(default_config):
     scp = dict.fromkeys("abcdefgh", 0.5)
-    draws = [tuple(scales_of_run(default_config, scp, "random-half", seed).values()) for seed in range(12)]
-    assert draws == [tuple(scales_of_run(default_config, scp, "random-half", seed).values()) for seed in range(12)]
+    draws = [
+        tuple(scales_of_run(default_config, scp, "random-half", seed).values())
+        for seed in range(12)
+    ]
+    assert draws == [
+        tuple(scales_of_run(default_config, scp, "random-half", seed).values())
+        for seed in range(12)
+    ]
     assert all(sum(draw) == 4 for draw in draws) and len(set(draws)) > 6
     with pytest.raises(ValueError, match="generator"):
         action_scales("random-half", scp)
@@ -80,11 +93,19 @@ def test_the_vector_wrapper_agrees_with_the_single_one():
     many = ScaledActions(SyncVectorEnv([Echo, Echo]), [0.5, 0.0, 1.0])
     many.reset(seed=0)
     assert many.single_action_space.shape == (2,) and many.action_space.shape == (2, 2)
-    assert many.step(np.array([[1.0, -0.25], [0.2, 7.0]], np.float32))[0] == pytest.approx(np.array([[0.5, 0, -0.25], [0.1, 0, 1.0]]))
+    assert many.step(np.array([[1.0, -0.25], [0.2, 7.0]], np.float32))[0] == pytest.approx(
+        np.array([[0.5, 0, -0.25], [0.1, 0, 1.0]])
+    )
 
 
 @pytest.mark.parametrize(
-    ("scales", "message"), [([1.0, 1.0], "shape"), ([1.0, 2.0, 0.0], r"\[0, 1\]"), ([-0.1, 1, 1], r"\[0, 1\]"), ([0, 0, 0], "nothing is left")]
+    ("scales", "message"),
+    [
+        ([1.0, 1.0], "shape"),
+        ([1.0, 2.0, 0.0], r"\[0, 1\]"),
+        ([-0.1, 1, 1], r"\[0, 1\]"),
+        ([0, 0, 0], "nothing is left"),
+    ],
 )
 def test_senseless_scales_are_refused(scales, message):
     with pytest.raises(ValueError, match=message):
@@ -99,12 +120,22 @@ def test_actions_of_another_range_are_refused():
 
 
 def table(**changes) -> pd.DataFrame:
-    rows = pd.DataFrame(dict(world="w", agent="x", length=50, dof=list("abc"), threshold=0.0, scp=[0.5, 0.7, 1.0]))
+    rows = pd.DataFrame(
+        dict(world="w", agent="x", length=50, dof=list("abc"), threshold=0.0, scp=[0.5, 0.7, 1.0])
+    )
     return rows.assign(**changes)
 
 
 def test_scps_come_in_the_order_of_the_actions_and_only_from_the_rows_asked_for():
-    frame = pd.concat([table(), table(world="v", scp=0.1), table(agent="y", scp=0.1), table(length=10, scp=0.1), table(threshold=1.0, scp=0.1)])
+    frame = pd.concat(
+        [
+            table(),
+            table(world="v", scp=0.1),
+            table(agent="y", scp=0.1),
+            table(length=10, scp=0.1),
+            table(threshold=1.0, scp=0.1),
+        ]
+    )
     assert scp_of(frame, ["c", "a", "b"], "w", "x", 50) == {"c": 1.0, "a": 0.5, "b": 0.7}
 
 

@@ -12,7 +12,14 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
 from stable_baselines3.common.vec_env import DummyVecEnv, VecCheckNan, VecMonitor
 
-from sensory_commutativity.navigation.action_spaces import ACTION_SPACES, ScaledAction, ScaledActions, ScpError, action_scales, scp_of
+from sensory_commutativity.navigation.action_spaces import (
+    ACTION_SPACES,
+    ScaledAction,
+    ScaledActions,
+    ScpError,
+    action_scales,
+    scp_of,
+)
 from sensory_commutativity.navigation.evaluation import Episodes, evaluate
 from sensory_commutativity.navigation.rooms import Rooms
 from sensory_commutativity.navigation.task import NavigationEnv, NavigationVectorEnv, Zone
@@ -27,7 +34,12 @@ LIMIT, N = 12, 3
 
 
 def rooms(reward_scale: float = 1.0) -> Rooms:
-    return Rooms(ScaledActions(NavigationVectorEnv(N, ROOM, ZONES, FAST, LIMIT, AutoresetMode.SAME_STEP), SCALES), reward_scale)
+    return Rooms(
+        ScaledActions(
+            NavigationVectorEnv(N, ROOM, ZONES, FAST, LIMIT, AutoresetMode.SAME_STEP), SCALES
+        ),
+        reward_scale,
+    )
 
 
 # ---- Stable-Baselines3 -----------------------------------------------------------------------------------------------------
@@ -35,21 +47,34 @@ def rooms(reward_scale: float = 1.0) -> Rooms:
 
 @pytest.mark.parametrize("reward_scale", [1.0, 0.02])
 def test_rooms_give_what_stable_baselines_own_vector_environment_gives(reward_scale):
-    ours, theirs = rooms(reward_scale), DummyVecEnv([lambda: ScaledAction(NavigationEnv(ROOM, ZONES, FAST, LIMIT), SCALES)] * N)
-    assert ours.observation_space == theirs.observation_space and ours.action_space == theirs.action_space
+    ours, theirs = (
+        rooms(reward_scale),
+        DummyVecEnv([lambda: ScaledAction(NavigationEnv(ROOM, ZONES, FAST, LIMIT), SCALES)] * N),
+    )
+    assert (
+        ours.observation_space == theirs.observation_space
+        and ours.action_space == theirs.action_space
+    )
     theirs.seed(11)
     theirs._seeds = ours.seed(11)  # Stable-Baselines3's own are 11, 12, 13
     a, b = ours.reset(), theirs.reset()
     assert np.array_equal(a, b) and a.dtype == b.dtype
     rng, ends = np.random.default_rng(0), []
     for _ in range(60):
-        actions = np.concatenate([np.ones((N, 1)), rng.uniform(-1.5, 1.5, (N, 3))], 1).astype(np.float32)
+        actions = np.concatenate([np.ones((N, 1)), rng.uniform(-1.5, 1.5, (N, 3))], 1).astype(
+            np.float32
+        )
         found, expected = ours.step(actions), theirs.step(actions)
         assert np.array_equal(found[0], expected[0]) and found[0].dtype == expected[0].dtype
-        assert np.array_equal(found[1], (expected[1].astype(float) * reward_scale).astype(np.float32)) and found[1].dtype == np.float32
+        assert (
+            np.array_equal(found[1], (expected[1].astype(float) * reward_scale).astype(np.float32))
+            and found[1].dtype == np.float32
+        )
         assert np.array_equal(found[2], expected[2]) and found[2].dtype == bool
         for told, ended, other in zip(found[3], found[2], expected[3], strict=True):
-            assert set(told) == ({"terminal_observation", "TimeLimit.truncated"} if ended else set())
+            assert set(told) == (
+                {"terminal_observation", "TimeLimit.truncated"} if ended else set()
+            )
             if ended:
                 assert np.array_equal(told["terminal_observation"], other["terminal_observation"])
                 assert told["TimeLimit.truncated"] is other["TimeLimit.truncated"]
@@ -62,13 +87,24 @@ def test_stable_baselines_wrappers_take_rooms():
     watched = VecMonitor(VecCheckNan(rooms(), raise_exception=True))
     watched.seed(0)
     watched.reset()
-    told = [info["episode"] for _ in range(2 * LIMIT) for info in watched.step(np.zeros((N, 4), np.float32))[3] if "episode" in info]
-    assert [episode["l"] for episode in told] == [LIMIT] * 2 * N and all(episode["r"] == 0 for episode in told)
+    told = [
+        info["episode"]
+        for _ in range(2 * LIMIT)
+        for info in watched.step(np.zeros((N, 4), np.float32))[3]
+        if "episode" in info
+    ]
+    assert [episode["l"] for episode in told] == [LIMIT] * 2 * N and all(
+        episode["r"] == 0 for episode in told
+    )
 
 
 def test_rooms_are_one_thing():
     ours = rooms()
-    assert ours.num_envs == N and ours.get_attr("num_envs") == [N] * N and ours.get_attr("num_envs", [0, 2]) == [N] * 2
+    assert (
+        ours.num_envs == N
+        and ours.get_attr("num_envs") == [N] * N
+        and ours.get_attr("num_envs", [0, 2]) == [N] * 2
+    )
     assert ours.env_is_wrapped(gym.Wrapper) == [False] * N and ours.get_images() == [None] * N
     for call in (lambda: ours.set_attr("num_envs", 3), lambda: ours.env_method("reset")):
         with pytest.raises(NotImplementedError):
@@ -76,10 +112,20 @@ def test_rooms_are_one_thing():
 
 
 def test_an_environment_that_does_not_say_how_it_resets_is_refused():
-    environment = SyncVectorEnv([lambda: NavigationEnv(ROOM, ZONES, FAST, LIMIT)], autoreset_mode=AutoresetMode.DISABLED)
+    environment = SyncVectorEnv(
+        [lambda: NavigationEnv(ROOM, ZONES, FAST, LIMIT)], autoreset_mode=AutoresetMode.DISABLED
+    )
     with pytest.raises(ValueError, match="SAME_STEP"):
         Rooms(environment)
-    assert Rooms(SyncVectorEnv([lambda: NavigationEnv(ROOM, ZONES, FAST, LIMIT)], autoreset_mode=AutoresetMode.SAME_STEP)).num_envs == 1
+    assert (
+        Rooms(
+            SyncVectorEnv(
+                [lambda: NavigationEnv(ROOM, ZONES, FAST, LIMIT)],
+                autoreset_mode=AutoresetMode.SAME_STEP,
+            )
+        ).num_envs
+        == 1
+    )
 
 
 # ---- action spaces around the task -----------------------------------------------------------------------------------------
@@ -90,13 +136,22 @@ def test_gymnasium_finds_no_fault_with_any_action_space():
     scp = {dof.name: 1 - 0.1 * i for i, dof in enumerate(FAST.dofs)}
     for name in ACTION_SPACES:
         scales = action_scales(name, scp, np.random.default_rng(0))
-        check_env(ScaledAction(NavigationEnv(ROOM, ZONES, FAST, LIMIT), list(scales.values())), skip_render_check=True)
+        check_env(
+            ScaledAction(NavigationEnv(ROOM, ZONES, FAST, LIMIT), list(scales.values())),
+            skip_render_check=True,
+        )
 
 
 def test_scaled_actions_move_the_agent_as_the_whole_action_would():
-    scaled, whole = ScaledAction(NavigationEnv(ROOM, ZONES, FAST, LIMIT), SCALES), NavigationEnv(ROOM, ZONES, FAST, LIMIT)
+    scaled, whole = (
+        ScaledAction(NavigationEnv(ROOM, ZONES, FAST, LIMIT), SCALES),
+        NavigationEnv(ROOM, ZONES, FAST, LIMIT),
+    )
     scaled.reset(seed=4), whole.reset(seed=4)
-    assert scaled.step(np.array([1, -1, 0.5, 2], np.float32))[1:] == whole.step(np.array([1, -0.25, 0, 0, 0.25, 0, 0, 0.75], np.float32))[1:]
+    assert (
+        scaled.step(np.array([1, -1, 0.5, 2], np.float32))[1:]
+        == whole.step(np.array([1, -0.25, 0, 0, 0.25, 0, 0, 0.75], np.float32))[1:]
+    )
     assert np.array_equal(scaled.unwrapped.world.poses(), whole.world.poses())
 
 
@@ -126,7 +181,10 @@ def test_every_scaled_value_arrives_exactly(dtype):
     sent = [wrapped.action_space.sample() for _ in range(50)]
     assert all(wrapped.step(action)[1:] == (1.5, False, False, {"told": 1}) for action in sent)
     assert np.array_equal(environment.got, (np.array(sent) * scales).astype(dtype))
-    assert all(action.dtype == dtype and environment.action_space.contains(action) for action in environment.got)
+    assert all(
+        action.dtype == dtype and environment.action_space.contains(action)
+        for action in environment.got
+    )
 
 
 def test_fixed_degrees_of_freedom_get_nothing_and_leave_the_space():
@@ -134,7 +192,10 @@ def test_fixed_degrees_of_freedom_get_nothing_and_leave_the_space():
     wrapped = ScaledAction(environment, [0.0, 0.5, 0.0])
     for value in (-7.0, -0.5, 0.0, 0.5, 7.0):
         wrapped.step(np.array([value], np.float32))
-    assert np.array_equal(environment.got, [(0, np.clip(value, -1, 1) / 2, 0) for value in (-7.0, -0.5, 0.0, 0.5, 7.0)])
+    assert np.array_equal(
+        environment.got,
+        [(0, np.clip(value, -1, 1) / 2, 0) for value in (-7.0, -0.5, 0.0, 0.5, 7.0)],
+    )
 
 
 def test_the_learners_own_array_is_left_alone():
@@ -163,8 +224,12 @@ def test_scales_that_are_no_numbers_are_refused():
 
 @pytest.mark.parametrize("scp", [-0.01, 1.01, float("nan")])
 def test_an_scp_that_is_no_probability_is_refused(scp):
-    table = pd.DataFrame(dict(world="w", agent="x", length=50, dof=["a", "b"], threshold=0.0, scp=[0.5, scp]))
-    with pytest.raises(ScpError, match=r"'x' in 'w', length 50, threshold 0: the SCP of b is no probability"):
+    table = pd.DataFrame(
+        dict(world="w", agent="x", length=50, dof=["a", "b"], threshold=0.0, scp=[0.5, scp])
+    )
+    with pytest.raises(
+        ScpError, match=r"'x' in 'w', length 50, threshold 0: the SCP of b is no probability"
+    ):
         scp_of(table, ["a", "b"], "w", "x", 50)
 
 
@@ -189,7 +254,13 @@ class Script(VectorEnv):
         self.steps += 1
         over = np.array([self.steps % step == 0 for step, _ in self.ends])
         by_time = np.array([truncated == (self.steps == step) for step, truncated in self.ends])
-        return np.full((self.num_envs, 1), self.steps, np.float32), self.rewards * self.steps, over & ~by_time, over & by_time, {}
+        return (
+            np.full((self.num_envs, 1), self.steps, np.float32),
+            self.rewards * self.steps,
+            over & ~by_time,
+            over & by_time,
+            {},
+        )
 
 
 class Clerk:
@@ -217,13 +288,21 @@ def test_the_policys_state_goes_from_step_to_step_and_starts_are_told_once():
     clerk = Clerk()
     evaluate(clerk, Script([(3, False), (2, False)], [1.0, 1.0]), [0, 1])
     assert [state for _, state, _, _ in clerk.asked] == [None, 1, 2]
-    assert [start.tolist() for *_, start, _ in clerk.asked] == [[True, True], [False, False], [False, False]]
+    assert [start.tolist() for *_, start, _ in clerk.asked] == [
+        [True, True],
+        [False, False],
+        [False, False],
+    ]
     assert [seen.tolist() for seen, *_ in clerk.asked] == [[0, 0], [1, 1], [2, 2]]
     assert all(deterministic for *_, deterministic in clerk.asked)
 
 
 def test_time_that_runs_out_is_neither_success_nor_death():
-    found = Episodes(np.array([50.0, -20.0, 0.0, 50.0, -20.0]), np.ones(5, np.int64), np.array([True, True, False, False, False]))
+    found = Episodes(
+        np.array([50.0, -20.0, 0.0, 50.0, -20.0]),
+        np.ones(5, np.int64),
+        np.array([True, True, False, False, False]),
+    )
     assert (found.success_rate, found.dead_rate) == (0.2, 0.2)
 
 

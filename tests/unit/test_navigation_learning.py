@@ -11,22 +11,32 @@ import torch
 from sb3_contrib import RecurrentPPO
 from sb3_contrib.common.recurrent.buffers import RecurrentRolloutBuffer
 from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
+from sensory_commutativity.helpers import DEFAULT, DOFS, ROOT
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 
-from sensory_commutativity import checkpoints
-from sensory_commutativity.checkpoints import Checkpoint, CheckpointError, load_state, save_state
-from sensory_commutativity.config import Config, load, merge, validate
 from sensory_commutativity.navigation import training
-from sensory_commutativity.navigation.from_config import evaluation_seeds
 from sensory_commutativity.navigation.learner import RoomPPO, ViewFeatures
 from sensory_commutativity.navigation.rooms import Rooms
-from sensory_commutativity.navigation.training import learner_of_run, policy_of_run, settings_of_run, train
-from sensory_commutativity.stages import navigation_curves
-from sensory_commutativity.stages.navigation_curves import write_run
-from sensory_commutativity.tables import read_table, write_table
-
-from ..helpers import DEFAULT, DOFS, ROOT
+from sensory_commutativity.navigation.training import (
+    learner_of_run,
+    policy_of_run,
+    settings_of_run,
+    train,
+)
+from sensory_commutativity.storage import checkpoints
+from sensory_commutativity.storage.checkpoints import (
+    Checkpoint,
+    CheckpointError,
+    load_state,
+    save_state,
+)
+from sensory_commutativity.storage.tables import read_table, write_table
+from sensory_commutativity.studies.config import Config
+from sensory_commutativity.studies.loading import load, merge, validate
+from sensory_commutativity.studies.navigation.builders import evaluation_seeds
+from sensory_commutativity.studies.navigation.tables import navigation_curves
+from sensory_commutativity.studies.navigation.tables.navigation_curves import write_run
 
 SCALES = dict(zip(DOFS, [1.0, 0.5, 0.0, 0.0, 0.25, 0.0, 0.0, 0.1], strict=True))
 
@@ -38,7 +48,9 @@ def with_navigation(config: Config, **changes) -> Config:
 @pytest.fixture(scope="module")
 def config() -> Config:
     """Three segments of one rollout each."""
-    return with_navigation(load(DEFAULT, ROOT / "config" / "test.yaml"), steps=192, checkpoints=3, max_episode_steps=11)
+    return with_navigation(
+        load(DEFAULT, ROOT / "config" / "test.yaml"), steps=192, checkpoints=3, max_episode_steps=11
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -78,7 +90,10 @@ def theirs(learner: RoomPPO) -> RecurrentPPO:
         clip_range=learner.clip_range(1.0), gamma=learner.gamma, gae_lambda=learner.gae_lambda, policy_kwargs=learner.policy_kwargs, device="cpu",
     )  # fmt: skip
     other.policy.load_state_dict(learner.policy.state_dict())
-    assert type(other.rollout_buffer) is RecurrentRolloutBuffer and type(other.policy) is RecurrentActorCriticPolicy
+    assert (
+        type(other.rollout_buffer) is RecurrentRolloutBuffer
+        and type(other.policy) is RecurrentActorCriticPolicy
+    )
     for name, value in vars(learner.rollout_buffer).items():
         if isinstance(value, np.ndarray):
             setattr(other.rollout_buffer, name, value.copy())
@@ -88,7 +103,9 @@ def theirs(learner: RoomPPO) -> RecurrentPPO:
 
 
 @pytest.mark.parametrize("drift", [0.0, 0.3])
-def test_an_update_has_the_loss_and_the_gradients_of_sb3_contribs_own(rolled_out, drift, monkeypatch):
+def test_an_update_has_the_loss_and_the_gradients_of_sb3_contribs_own(
+    rolled_out, drift, monkeypatch
+):
     """With weights that have moved since the rollout, so that ratios are not 1 and some are clipped."""
     learner = rolled_out
     buffer, kept = learner.rollout_buffer, copy.deepcopy(learner.policy.state_dict())
@@ -99,18 +116,29 @@ def test_an_update_has_the_loss_and_the_gradients_of_sb3_contribs_own(rolled_out
             weight.add_(drift * weight.abs().mean() * torch.randn_like(weight))
     other = theirs(learner)
     learner.batch_size, learner.n_epochs = learner.n_steps * learner.n_envs, 1
-    monkeypatch.setattr(np.random, "randint", lambda n: 0)  # sb3-contrib cuts a room's rollout somewhere; not here
+    monkeypatch.setattr(
+        np.random, "randint", lambda n: 0
+    )  # sb3-contrib cuts a room's rollout somewhere; not here
     for algorithm in (learner, other):
         algorithm.train()
     logs = [
-        {key: value for key, value in one.logger.name_to_value.items() if key not in ("train/n_updates", "train/std")} for one in (learner, other)
+        {
+            key: value
+            for key, value in one.logger.name_to_value.items()
+            if key not in ("train/n_updates", "train/std")
+        }
+        for one in (learner, other)
     ]
     assert logs[0] == pytest.approx(logs[1], rel=1e-4, abs=1e-5)
     assert drift == 0 or logs[0]["train/clip_fraction"] > 0.05
-    for (name, a), (_, b) in zip(learner.policy.named_parameters(), other.policy.named_parameters(), strict=True):
+    for (name, a), (_, b) in zip(
+        learner.policy.named_parameters(), other.policy.named_parameters(), strict=True
+    ):
         assert (a.grad is None) == (b.grad is None), name
         if a.grad is not None:
-            assert torch.allclose(a.grad, b.grad, rtol=1e-3, atol=1e-4 * float(b.grad.abs().max()) + 1e-8), name
+            assert torch.allclose(
+                a.grad, b.grad, rtol=1e-3, atol=1e-4 * float(b.grad.abs().max()) + 1e-8
+            ), name
     learner.policy.load_state_dict(kept)
 
 
@@ -120,11 +148,29 @@ def test_the_learner_has_the_settings_of_the_configuration(config):
         max_gradient_norm=0.4, features=5, memory=6, initial_log_std=-1.0, epochs=3, batch_size=16, reward_scale=0.5,
     )  # fmt: skip
     learner = learner_of_run(with_navigation(config, learner=settings), "truncated", 1, SCALES)
-    assert (learner.gamma, learner.gae_lambda, learner.ent_coef, learner.vf_coef) == (0.9, 0.8, 0.01, 0.7)
+    assert (learner.gamma, learner.gae_lambda, learner.ent_coef, learner.vf_coef) == (
+        0.9,
+        0.8,
+        0.01,
+        0.7,
+    )
     assert (learner.rollout_buffer.gamma, learner.rollout_buffer.gae_lambda) == (0.9, 0.8)
-    assert (learner.max_grad_norm, learner.n_epochs, learner.batch_size, learner.n_steps, learner.n_envs) == (0.4, 3, 16, 16, 4)
-    assert learner.clip_range(1.0) == learner.clip_range(0.1) == 0.3 and learner.lr_schedule(1.0) == learner.lr_schedule(0.1) == 2e-3
-    assert learner.policy.lstm_actor.hidden_size == 6 and learner.policy.lstm_actor.input_size == 5 and learner.policy.lstm_critic is None
+    assert (
+        learner.max_grad_norm,
+        learner.n_epochs,
+        learner.batch_size,
+        learner.n_steps,
+        learner.n_envs,
+    ) == (0.4, 3, 16, 16, 4)
+    assert (
+        learner.clip_range(1.0) == learner.clip_range(0.1) == 0.3
+        and learner.lr_schedule(1.0) == learner.lr_schedule(0.1) == 2e-3
+    )
+    assert (
+        learner.policy.lstm_actor.hidden_size == 6
+        and learner.policy.lstm_actor.input_size == 5
+        and learner.policy.lstm_critic is None
+    )
     assert learner.policy.log_std.tolist() == [-1.0] * 4 and learner.env.reward_scale == 0.5
 
 
@@ -136,7 +182,9 @@ def test_the_features_see_the_view_and_all_colours(config):
     assert found.shape == (2, 9)
     used = torch.autograd.grad(features.network[0](view.transpose(1, 2) / 255).sum(), view)[0][0]
     assert (used.abs().sum(dim=0) > 0).all() and (used.abs().sum(dim=1) > 0).all()
-    assert torch.equal(features(torch.zeros(1, 64, 3, dtype=torch.uint8)), features(torch.zeros(1, 64, 3)))
+    assert torch.equal(
+        features(torch.zeros(1, 64, 3, dtype=torch.uint8)), features(torch.zeros(1, 64, 3))
+    )
 
 
 def test_the_weights_of_a_run_follow_from_its_name(config):
@@ -144,7 +192,9 @@ def test_the_weights_of_a_run_follow_from_its_name(config):
         return learner_of_run(config, action_space, seed, SCALES).policy.action_net.weight
 
     assert torch.equal(weights("full", 3), weights("full", 3))
-    assert not torch.equal(weights("full", 3), weights("full", 4)) and not torch.equal(weights("full", 3), weights("adapted", 3))
+    assert not torch.equal(weights("full", 3), weights("full", 4)) and not torch.equal(
+        weights("full", 3), weights("adapted", 3)
+    )
 
 
 # ---- runs ------------------------------------------------------------------------------------------------------------------
@@ -183,7 +233,9 @@ def dies_at(original, n: int):
     [(RoomPPO, "train"), (training, "evaluate"), (Checkpoint, "save"), (checkpoints.torch, "save")],
     ids=["update", "evaluation", "before-saving", "while-saving"],
 )
-def test_a_run_that_is_killed_anywhere_ends_as_if_it_had_not_been(where, n, config, whole, tmp_path, monkeypatch):
+def test_a_run_that_is_killed_anywhere_ends_as_if_it_had_not_been(
+    where, n, config, whole, tmp_path, monkeypatch
+):
     with monkeypatch.context() as patch:
         patch.setattr(*where, dies_at(getattr(*where), n))
         with pytest.raises(Killed):
@@ -192,7 +244,9 @@ def test_a_run_that_is_killed_anywhere_ends_as_if_it_had_not_been(where, n, conf
     torch.manual_seed(n)
     segments = []
     learn = RoomPPO.learn
-    monkeypatch.setattr(RoomPPO, "learn", lambda self, steps: (segments.append(steps), learn(self, steps))[1])
+    monkeypatch.setattr(
+        RoomPPO, "learn", lambda self, steps: (segments.append(steps), learn(self, steps))[1]
+    )
     assert same(run(config, tmp_path), whole)
     assert segments == [64] * (4 - n)  # what was saved is not done again
 
@@ -215,21 +269,41 @@ def test_a_finished_run_is_not_trained_again(config, whole, tmp_path, monkeypatc
 
 def test_the_curve_is_what_the_evaluations_gave(config, whole, tmp_path, monkeypatch):
     curve, seen = whole[0], []
-    assert curve.columns.tolist() == ["step", "episode_return", "success_rate", "dead_rate", "episode_length", "episodes"]
-    assert curve["step"].tolist() == [64, 128, 192] and (curve["episodes"] == 4).all() and curve["episode_length"].between(1, 11).all()
+    assert curve.columns.tolist() == [
+        "step",
+        "episode_return",
+        "success_rate",
+        "dead_rate",
+        "episode_length",
+        "episodes",
+    ]
+    assert (
+        curve["step"].tolist() == [64, 128, 192]
+        and (curve["episodes"] == 4).all()
+        and curve["episode_length"].between(1, 11).all()
+    )
     evaluate = training.evaluate
-    monkeypatch.setattr(training, "evaluate", lambda *args: (seen.append((evaluate(*args), args[2])), seen[-1][0])[1])
+    monkeypatch.setattr(
+        training,
+        "evaluate",
+        lambda *args: (seen.append((evaluate(*args), args[2])), seen[-1][0])[1],
+    )
     assert same(run(config, tmp_path), whole)
     for (episodes, seeds), row in zip(seen, curve.itertuples(), strict=True):
         assert seeds == evaluation_seeds(config) and len(set(seeds)) == 4
-        assert (row.episode_return, row.episode_length) == (episodes.returns.mean(), episodes.lengths.mean())
+        assert (row.episode_return, row.episode_length) == (
+            episodes.returns.mean(),
+            episodes.lengths.mean(),
+        )
         assert (row.success_rate, row.dead_rate) == (episodes.success_rate, episodes.dead_rate)
 
 
 def test_every_segment_of_every_run_has_rooms_of_its_own(config, tmp_path, monkeypatch):
     seeds = []
     seed = Rooms.seed
-    monkeypatch.setattr(Rooms, "seed", lambda self, value=None: (seeds.append(value), seed(self, value))[1])
+    monkeypatch.setattr(
+        Rooms, "seed", lambda self, value=None: (seeds.append(value), seed(self, value))[1]
+    )
     for i, (action_space, number) in enumerate([("full", 0), ("full", 1), ("truncated", 0)]):
         (tmp_path / str(i)).mkdir()
         run(config, tmp_path / str(i), number, action_space)
@@ -250,7 +324,9 @@ def test_the_model_holds_what_is_needed_to_play(config, whole):
     model = whole[1]
     assert (model["action_space"], model["seed"], model["scales"]) == ("full", 0, SCALES)
     policy = policy_of_run(config, model, "model")
-    assert all(torch.equal(policy.state_dict()[name], value) for name, value in model["policy"].items())
+    assert all(
+        torch.equal(policy.state_dict()[name], value) for name, value in model["policy"].items()
+    )
     assert policy.action_space.shape == (4,)
     with pytest.raises(CheckpointError, match=r"full\.0\.policy: .*other settings"):
         policy_of_run(with_navigation(config, learner={"memory": 32}), model, "full.0.policy")
@@ -262,7 +338,9 @@ def test_the_file_of_a_model_depends_on_the_run_alone_and_damage_is_told(whole, 
     data = (tmp_path / "a.policy").read_bytes()
     assert data == (tmp_path / "another-name.policy").read_bytes()
     (tmp_path / "a.policy").write_bytes(data[:-9] + b"\0" + data[-8:])
-    with pytest.raises(CheckpointError, match=r"a\.policy: a damaged file; delete it, and run again"):
+    with pytest.raises(
+        CheckpointError, match=r"a\.policy: a damaged file; delete it, and run again"
+    ):
         load_state(tmp_path / "a.policy", "run again")
     with pytest.raises(CheckpointError, match=r"none\.policy: there is no such file; run again"):
         load_state(tmp_path / "none.policy", "run again")
@@ -273,8 +351,25 @@ def test_the_file_of_a_model_depends_on_the_run_alone_and_damage_is_told(whole, 
 
 @pytest.fixture
 def scp_file(config, tmp_path):
-    frame = pd.DataFrame(dict(world="furnished", agent="sprinter", length=50, dof=DOFS, threshold=0.0, n=10, commuted=5, ci_low=0.0, ci_high=1.0))
-    write_table("navigation_scp", frame.assign(scp=np.linspace(0.1, 0.9, 8)), tmp_path / "scp.parquet", config)
+    frame = pd.DataFrame(
+        dict(
+            world="furnished",
+            agent="sprinter",
+            length=50,
+            dof=DOFS,
+            threshold=0.0,
+            n=10,
+            commuted=5,
+            ci_low=0.0,
+            ci_high=1.0,
+        )
+    )
+    write_table(
+        "navigation_scp",
+        frame.assign(scp=np.linspace(0.1, 0.9, 8)),
+        tmp_path / "scp.parquet",
+        config,
+    )
     return tmp_path / "scp.parquet"
 
 
@@ -290,17 +385,30 @@ def test_a_run_killed_between_its_two_files_writes_both(config, scp_file, tmp_pa
         patch.setattr(RoomPPO, "learn", dies_at(None, 1))  # nothing is trained again
         write_run(config, "adapted", 1, scp_file, out, model)
     again = load_state(model, "")["policy"]
-    assert all(torch.equal(again[name], first[name]) for name in first) and [path.name for path in out.parent.iterdir()] == [out.name]
-    assert read_table("navigation_curves", out)[["action_space", "seed", "step"]].values.tolist() == [["adapted", 1, 64 * k] for k in (1, 2, 3)]
+    assert all(torch.equal(again[name], first[name]) for name in first) and [
+        path.name for path in out.parent.iterdir()
+    ] == [out.name]
+    assert read_table("navigation_curves", out)[
+        ["action_space", "seed", "step"]
+    ].values.tolist() == [["adapted", 1, 64 * k] for k in (1, 2, 3)]
 
 
-def test_a_checkpoint_of_other_settings_is_not_gone_on_with(config, scp_file, tmp_path, monkeypatch):
+def test_a_checkpoint_of_other_settings_is_not_gone_on_with(
+    config, scp_file, tmp_path, monkeypatch
+):
     out = tmp_path / "runs" / "full.0.parquet"
     for changed, segments in ((config, 2), (with_navigation(config, max_episode_steps=12), 3)):
         calls = []
         with monkeypatch.context() as patch:
             learn = RoomPPO.learn
-            patch.setattr(RoomPPO, "learn", lambda self, steps, calls=calls, learn=learn: (calls.append(steps), learn(self, steps))[1])
+            patch.setattr(
+                RoomPPO,
+                "learn",
+                lambda self, steps, calls=calls, learn=learn: (
+                    calls.append(steps),
+                    learn(self, steps),
+                )[1],
+            )
             if changed is config:
                 patch.setattr(RoomPPO, "train", dies_at(RoomPPO.train, 2))
                 with pytest.raises(Killed):
@@ -324,12 +432,17 @@ def test_a_run_forgets_its_own_checkpoints_only(tmp_path):
 
 
 def test_a_checkpoint_gives_back_exactly_what_was_saved(tmp_path):
-    state = {"policy": {"w": torch.tensor([0.1, -0.0, float("inf")])}, "curve": [{"step": 5, "episode_return": 0.1 + 0.2}]}
+    state = {
+        "policy": {"w": torch.tensor([0.1, -0.0, float("inf")])},
+        "curve": [{"step": 5, "episode_return": 0.1 + 0.2}],
+    }
     checkpoint = Checkpoint(tmp_path / "run.parquet", "settings")
     checkpoint.save({"policy": {"w": torch.zeros(3)}, "curve": []})
     checkpoint.save(state)  # the later one counts
     found = checkpoint.load()
-    assert found["curve"] == state["curve"] and torch.equal(found["policy"]["w"], state["policy"]["w"])
+    assert found["curve"] == state["curve"] and torch.equal(
+        found["policy"]["w"], state["policy"]["w"]
+    )
     assert [path.name for path in tmp_path.iterdir()] == [checkpoint.path.name]
 
 
@@ -339,7 +452,11 @@ def test_a_damaged_checkpoint_names_file_and_remedy_in_one_line(tmp_path):
     checkpoint.path.write_bytes(checkpoint.path.read_bytes()[:-1])
     with pytest.raises(CheckpointError) as told:
         checkpoint.load()
-    assert str(checkpoint.path) in str(told.value) and "delete it" in str(told.value) and "\n" not in str(told.value)
+    assert (
+        str(checkpoint.path) in str(told.value)
+        and "delete it" in str(told.value)
+        and "\n" not in str(told.value)
+    )
 
 
 CHANGES = {
@@ -354,7 +471,9 @@ CHANGES = {
 
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_what_a_run_depends_on_makes_it_another(change, config):
-    assert settings_of_run(with_navigation(config, **change), SCALES) != settings_of_run(config, SCALES)
+    assert settings_of_run(with_navigation(config, **change), SCALES) != settings_of_run(
+        config, SCALES
+    )
 
 
 def test_its_world_agent_root_seed_and_scales_make_a_run_another(config):
@@ -365,7 +484,9 @@ def test_its_world_agent_root_seed_and_scales_make_a_run_another(config):
         {"flatland": {"worlds": {navigation.world: {"width": 640.0}}}},
         {"flatland": {"agents": {navigation.agent: {"arm_length": 45.0}}}},
     ):
-        assert settings_of_run(validate(merge(settings, layer)), SCALES) != settings_of_run(config, SCALES)
+        assert settings_of_run(validate(merge(settings, layer)), SCALES) != settings_of_run(
+            config, SCALES
+        )
     assert settings_of_run(config, {**SCALES, "head": 0.001}) != settings_of_run(config, SCALES)
 
 
@@ -376,4 +497,6 @@ def test_its_world_agent_root_seed_and_scales_make_a_run_another(config):
     ids=str,
 )  # fmt: skip
 def test_what_a_run_does_not_depend_on_leaves_its_checkpoint_good(change, config):
-    assert settings_of_run(with_navigation(config, **change), SCALES) == settings_of_run(config, SCALES)
+    assert settings_of_run(with_navigation(config, **change), SCALES) == settings_of_run(
+        config, SCALES
+    )

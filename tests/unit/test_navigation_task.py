@@ -8,15 +8,22 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
+from sensory_commutativity.helpers import full_speed, standing
 
-from sensory_commutativity.navigation.from_config import navigation_environment, task_parts
 from sensory_commutativity.navigation.rooms import Rooms
-from sensory_commutativity.navigation.task import DEAD_COLOUR, GOAL_COLOUR, NavigationEnv, NavigationVectorEnv, Zone, room_with_zones, touched
+from sensory_commutativity.navigation.task import (
+    DEAD_COLOUR,
+    GOAL_COLOUR,
+    NavigationEnv,
+    NavigationVectorEnv,
+    Zone,
+    room_with_zones,
+    touched,
+)
+from sensory_commutativity.studies.navigation.builders import navigation_environment, task_parts
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
 from sensory_commutativity.worlds.flatland.room import Room, draw_situation
 from sensory_commutativity.worlds.flatland.world import FlatlandWorld
-
-from ..helpers import full_speed, standing
 
 ROOM = Room(things=0, width=400.0, height=400.0, start_margin=60.0)
 GOAL, DEAD = Zone(300.0, 200.0, 40.0, 50.0), Zone(60.0, 60.0, 30.0, -20.0)
@@ -39,7 +46,9 @@ def test_a_zone_is_touched_when_its_edge_meets_the_base():
 
 
 def test_of_two_touched_zones_the_first_counts():
-    assert touched((GOAL, Zone(300.0, 200.0, 90.0, -20.0)), np.array([[300.0, 200.0]]), 1.0).tolist() == [0]
+    assert touched(
+        (GOAL, Zone(300.0, 200.0, 90.0, -20.0)), np.array([[300.0, 200.0]]), 1.0
+    ).tolist() == [0]
 
 
 def test_driving_into_the_goal_ends_the_episode_with_its_reward():
@@ -58,7 +67,9 @@ def test_a_dead_zone_is_no_success():
 
 def test_time_truncates_and_a_zone_at_the_last_step_terminates():
     environment = env_at(150.0, 330.0, steps=3)
-    assert [environment.step(STILL)[2:] for _ in range(3)] == [(False, False, {})] * 2 + [(False, True, {"is_success": False})]
+    assert [environment.step(STILL)[2:] for _ in range(3)] == [(False, False, {})] * 2 + [
+        (False, True, {"is_success": False})
+    ]
     environment = env_at(150.0, 200.0, steps=6)
     *_, (_, _, terminated, truncated, _) = [environment.step(FORWARD) for _ in range(6)]
     assert terminated and not truncated
@@ -93,7 +104,9 @@ def test_zones_are_not_solid():
 def test_a_room_without_marks_draws_what_it_drew_before():
     far = (Zone(5000.0, 5000.0, 1.0, 1.0),)
     with_mark = draw_situation(room_with_zones(ROOM, far), FAST, np.random.default_rng(3))
-    assert np.array_equal(with_mark.links, draw_situation(ROOM, FAST, np.random.default_rng(3)).links)
+    assert np.array_equal(
+        with_mark.links, draw_situation(ROOM, FAST, np.random.default_rng(3)).links
+    )
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
@@ -103,10 +116,14 @@ def test_many_rooms_give_what_single_ones_give_bit_for_bit(mode):
     singles = [NavigationEnv(ROOM, ZONES, FAST, limit) for _ in range(n)]
     seeds = [10 * i + 1 for i in range(n)]
     seen, _ = many.reset(seed=seeds)
-    assert np.array_equal(seen, [single.reset(seed=seed)[0] for single, seed in zip(singles, seeds, strict=True)])
+    assert np.array_equal(
+        seen, [single.reset(seed=seed)[0] for single, seed in zip(singles, seeds, strict=True)]
+    )
     rng, ended, ends = np.random.default_rng(0), np.zeros(n, bool), 0
     for _ in range(steps):
-        actions = full_speed(rng, n, 8).astype(np.float32) * rng.uniform(0, 1, (n, 1)).astype(np.float32)
+        actions = full_speed(rng, n, 8).astype(np.float32) * rng.uniform(0, 1, (n, 1)).astype(
+            np.float32
+        )
         seen, rewards, terminated, truncated, infos = many.step(actions)
         for r, single in enumerate(singles):
             if ended[r]:  # NEXT_STEP: this step resets

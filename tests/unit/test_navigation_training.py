@@ -8,21 +8,33 @@ import pytest
 import torch
 from sb3_contrib.common.recurrent.buffers import RecurrentRolloutBuffer
 from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
+from sensory_commutativity.helpers import DEFAULT, DOFS, ROOT
 from stable_baselines3.common.callbacks import BaseCallback
 
-from sensory_commutativity.checkpoints import Checkpoint, CheckpointError, load_state, save_state
-from sensory_commutativity.config import load
 from sensory_commutativity.navigation import training
 from sensory_commutativity.navigation.action_spaces import ScaledAction
 from sensory_commutativity.navigation.evaluation import evaluate
-from sensory_commutativity.navigation.from_config import evaluation_seeds, measured_scp, navigation_environment, navigation_rooms, scales_of_run
 from sensory_commutativity.navigation.recurrent import RoomPolicy
 from sensory_commutativity.navigation.training import learner_of_run, policy_of_run, train
-from sensory_commutativity.stages.navigation_action_spaces import write_action_spaces
-from sensory_commutativity.stages.navigation_curves import write_run
-from sensory_commutativity.tables import read_table, write_table
-
-from ..helpers import DEFAULT, DOFS, ROOT
+from sensory_commutativity.storage.checkpoints import (
+    Checkpoint,
+    CheckpointError,
+    load_state,
+    save_state,
+)
+from sensory_commutativity.storage.tables import read_table, write_table
+from sensory_commutativity.studies.loading import load
+from sensory_commutativity.studies.navigation.builders import (
+    evaluation_seeds,
+    measured_scp,
+    navigation_environment,
+    navigation_rooms,
+    scales_of_run,
+)
+from sensory_commutativity.studies.navigation.tables.navigation_action_spaces import (
+    write_action_spaces,
+)
+from sensory_commutativity.studies.navigation.tables.navigation_curves import write_run
 
 SCALES = dict(zip(DOFS, [1.0, 0.5, 0.0, 0.0, 0.25, 0.0, 0.0, 0.1], strict=True))
 
@@ -50,10 +62,14 @@ def test_the_lstm_gives_what_sb3_contribs_loop_gives_and_the_same_gradients(step
     ours, theirs = torch.randn(n * steps, 5, requires_grad=True), None
     theirs = ours.detach().clone().requires_grad_()
     found, after = RoomPolicy._process_sequence(ours, states, begins, lstm)
-    expected, after_expected = RecurrentActorCriticPolicy._process_sequence(theirs, states, begins, lstm)
+    expected, after_expected = RecurrentActorCriticPolicy._process_sequence(
+        theirs, states, begins, lstm
+    )
     assert torch.allclose(found, expected, atol=1e-6)
     if steps == 1:
-        assert all(torch.allclose(a, b, atol=1e-6) for a, b in zip(after, after_expected, strict=True))
+        assert all(
+            torch.allclose(a, b, atol=1e-6) for a, b in zip(after, after_expected, strict=True)
+        )
     weights = torch.randn(7)
     mine = torch.autograd.grad((found @ weights).square().sum(), [ours, *lstm.parameters()])
     other = torch.autograd.grad((expected @ weights).square().sum(), [theirs, *lstm.parameters()])
@@ -99,7 +115,9 @@ def test_minibatches_hold_every_transition_once_room_by_room(rolled_out):
 def test_the_loss_sees_what_the_policy_did_when_it_played(rolled_out):
     """Before the first update, evaluating the stored actions gives back the stored values and log-probabilities."""
     (batch,) = rolled_out.rollout_buffer.get(None)
-    values, log_prob, _ = rolled_out.policy.evaluate_actions(batch.observations, batch.actions, batch.lstm_states, batch.episode_starts)
+    values, log_prob, _ = rolled_out.policy.evaluate_actions(
+        batch.observations, batch.actions, batch.lstm_states, batch.episode_starts
+    )
     assert torch.allclose(values.flatten(), batch.old_values, atol=1e-5)
     assert torch.allclose(log_prob, batch.old_log_prob, atol=1e-4)
 
@@ -107,7 +125,14 @@ def test_the_loss_sees_what_the_policy_did_when_it_played(rolled_out):
 def test_the_loss_terms_are_those_of_sb3_contribs_own_buffer(rolled_out):
     ours = rolled_out.rollout_buffer
     theirs = RecurrentRolloutBuffer(
-        ours.buffer_size, ours.observation_space, ours.action_space, ours.hidden_state_shape, ours.device, ours.gae_lambda, ours.gamma, ours.n_envs
+        ours.buffer_size,
+        ours.observation_space,
+        ours.action_space,
+        ours.hidden_state_shape,
+        ours.device,
+        ours.gae_lambda,
+        ours.gamma,
+        ours.n_envs,
     )
     for name, value in vars(ours).items():
         if isinstance(value, np.ndarray):
@@ -118,11 +143,15 @@ def test_the_loss_terms_are_those_of_sb3_contribs_own_buffer(rolled_out):
     (whole,) = ours.get(None)
     mask = padded.mask > 0
     assert mask.sum() == len(whole.returns)
-    found = rolled_out.policy.evaluate_actions(whole.observations, whole.actions, whole.lstm_states, whole.episode_starts)
+    found = rolled_out.policy.evaluate_actions(
+        whole.observations, whole.actions, whole.lstm_states, whole.episode_starts
+    )
     loop = RecurrentActorCriticPolicy._process_sequence
     policy = rolled_out.policy
     policy._process_sequence = loop
-    expected = policy.evaluate_actions(padded.observations, padded.actions, padded.lstm_states, padded.episode_starts)
+    expected = policy.evaluate_actions(
+        padded.observations, padded.actions, padded.lstm_states, padded.episode_starts
+    )
     del policy._process_sequence
     for a, b in zip(found[:2], expected[:2], strict=True):
         assert torch.allclose(a.flatten().sort().values, b.flatten()[mask].sort().values, atol=1e-4)
@@ -137,7 +166,9 @@ def by_hand(config, policy, scales, seed, keep_state=True):
     seen, _ = env.reset(seed=seed)
     state, start, total, length = None, np.ones(1, bool), 0.0, 0
     while True:
-        action, state = policy.predict(seen[None], state if keep_state else None, start, deterministic=True)
+        action, state = policy.predict(
+            seen[None], state if keep_state else None, start, deterministic=True
+        )
         start = np.zeros(1, bool)
         seen, reward, terminated, truncated, _ = env.step(action[0])
         total, length = total + reward, length + 1
@@ -167,7 +198,10 @@ def test_evaluation_equals_episodes_played_one_by_one(config):
 
 def test_the_state_of_the_lstm_matters(config):
     policy = restless(config)
-    outcomes = [[by_hand(config, policy, SCALES, seed, keep)[:2] for seed in range(40)] for keep in (True, False)]
+    outcomes = [
+        [by_hand(config, policy, SCALES, seed, keep)[:2] for seed in range(40)]
+        for keep in (True, False)
+    ]
     assert outcomes[0] != outcomes[1]
 
 
@@ -177,9 +211,15 @@ def test_only_the_first_episode_of_a_room_counts(config):
     larger = config.model_copy(update={"navigation": navigation})
     policy, seeds = restless(larger), list(range(30))
     found = evaluate(policy, navigation_rooms(larger, len(seeds), SCALES), seeds)
-    assert set(found.returns[found.terminated]) <= {50.0, -20.0} and (found.returns[~found.terminated] == 0).all()
+    assert (
+        set(found.returns[found.terminated]) <= {50.0, -20.0}
+        and (found.returns[~found.terminated] == 0).all()
+    )
     assert len(set(found.lengths)) > 3 and found.terminated.any()
-    assert found.success_rate == (found.returns > 0).mean() and found.dead_rate == (found.returns < 0).mean()
+    assert (
+        found.success_rate == (found.returns > 0).mean()
+        and found.dead_rate == (found.returns < 0).mean()
+    )
 
 
 # ---- runs ------------------------------------------------------------------------------------------------------------------
@@ -275,8 +315,25 @@ def test_a_checkpoint_of_other_settings_is_not_used_and_forgotten_at_the_end(tmp
 @pytest.fixture
 def scp_file(config, tmp_path):
     """A navigation_scp table whose first four degrees of freedom have the lowest SCPs."""
-    scp = pd.DataFrame(dict(world="furnished", agent="sprinter", length=50, dof=DOFS, threshold=0.0, n=10, commuted=5, ci_low=0.0, ci_high=1.0))
-    write_table("navigation_scp", scp.assign(scp=[0.1 * i for i in range(8)]), tmp_path / "scp.parquet", config)
+    scp = pd.DataFrame(
+        dict(
+            world="furnished",
+            agent="sprinter",
+            length=50,
+            dof=DOFS,
+            threshold=0.0,
+            n=10,
+            commuted=5,
+            ci_low=0.0,
+            ci_high=1.0,
+        )
+    )
+    write_table(
+        "navigation_scp",
+        scp.assign(scp=[0.1 * i for i in range(8)]),
+        tmp_path / "scp.parquet",
+        config,
+    )
     return tmp_path / "scp.parquet"
 
 
@@ -287,11 +344,23 @@ def test_a_run_is_written_with_its_model_and_leaves_no_checkpoint(config, scp_fi
     model = load_state(tmp_path / "models" / "truncated.2.policy", "")
     assert list(model["scales"].values()) == [1.0] * 4 + [0.0] * 4
     curve = read_table("navigation_curves", out)
-    assert curve["action_space"].unique().tolist() == ["truncated"] and curve["step"].tolist() == [256, 512]
+    assert curve["action_space"].unique().tolist() == ["truncated"] and curve["step"].tolist() == [
+        256,
+        512,
+    ]
 
 
-def test_a_damaged_checkpoint_stops_the_run_before_it_writes_anything(config, scp_file, tmp_path, monkeypatch):
-    monkeypatch.setattr(Checkpoint, "save", lambda self, state: (self.path.write_bytes(b"half"), (_ for _ in ()).throw(KeyboardInterrupt)))
+def test_a_damaged_checkpoint_stops_the_run_before_it_writes_anything(
+    config, scp_file, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(
+        Checkpoint,
+        "save",
+        lambda self, state: (
+            self.path.write_bytes(b"half"),
+            (_ for _ in ()).throw(KeyboardInterrupt),
+        ),
+    )
     out = tmp_path / "full.0.parquet"
     with pytest.raises(KeyboardInterrupt):
         write_run(config, "full", 0, scp_file, out, tmp_path / "full.0.policy")
@@ -306,4 +375,6 @@ def test_the_table_of_action_spaces_says_what_the_runs_do(config, scp_file, tmp_
     assert len(table) == 8 * len(config.navigation.runs)
     scp = measured_scp(config, read_table("navigation_scp", scp_file))
     for (space, seed), rows in table.groupby(["action_space", "seed"]):
-        assert dict(zip(rows["dof"], rows["scale"], strict=True)) == scales_of_run(config, scp, space, seed)
+        assert dict(zip(rows["dof"], rows["scale"], strict=True)) == scales_of_run(
+            config, scp, space, seed
+        )

@@ -7,14 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from sensory_commutativity.helpers import DOFS, drive, full_speed, standing
 
-from sensory_commutativity.navigation.task import DEAD_COLOUR, GOAL_COLOUR, NavigationEnv, NavigationVectorEnv, Zone, room_with_zones, touched
+from sensory_commutativity.navigation.task import (
+    DEAD_COLOUR,
+    GOAL_COLOUR,
+    NavigationEnv,
+    NavigationVectorEnv,
+    Zone,
+    room_with_zones,
+    touched,
+)
 from sensory_commutativity.worlds.flatland.agent import Polyphemus
 from sensory_commutativity.worlds.flatland.room import FIXED, Mark, Room, Situation, draw_situation
 from sensory_commutativity.worlds.flatland.vector import FlatlandVectorEnv
 from sensory_commutativity.worlds.flatland.world import FlatlandWorld
-
-from ..helpers import DOFS, drive, full_speed, standing
 
 ROOM = Room(things=5, width=500.0, height=500.0, start_margin=80.0)
 ZONES = (Zone(90.0, 90.0, 60.0, -20.0), Zone(400.0, 250.0, 70.0, 50.0))
@@ -42,7 +49,9 @@ def pixels(view: np.ndarray, colour) -> list[int]:
 
 
 def test_touching_is_exact_in_every_direction():
-    zone = (Zone(0.0, 0.0, 30.0, 1.0),)  # with a base of radius 35, at 65: 5-12-13, 3-4-5 and 16-63-65 triangles
+    zone = (
+        Zone(0.0, 0.0, 30.0, 1.0),
+    )  # with a base of radius 35, at 65: 5-12-13, 3-4-5 and 16-63-65 triangles
     on = np.array([(25.0, 60.0), (-39.0, 52.0), (16.0, -63.0), (-65.0, 0.0)])
     assert (touched(zone, on, 35.0) == 0).all()
     assert (touched(zone, on * (1 + 1e-12), 35.0) == -1).all()
@@ -62,7 +71,10 @@ def test_what_a_step_gives_has_gymnasiums_types():
     environment.world.enter(standing(FAST, 400.0, 250.0, 0.0))
     _, reward, terminated, truncated, info = environment.step(STILL)
     assert (reward, terminated, truncated, info) == (50.0, True, False, {"is_success": True})
-    assert type(reward) is float and type(terminated) is type(truncated) is type(info["is_success"]) is bool
+    assert (
+        type(reward) is float
+        and type(terminated) is type(truncated) is type(info["is_success"]) is bool
+    )
 
 
 def test_every_episode_has_its_full_time():
@@ -86,7 +98,9 @@ def test_zones_are_seen_as_discs():
     """100 units away, of radius 50: 30 degrees either side, 21 of the 1.4-degree pixels."""
     assert pixels(facing([Zone(200.0, 250.0, 50.0, 1.0)]), GOAL_COLOUR) == list(range(11, 53))
     assert pixels(facing([Zone(200.0, 250.0, 50.0, -1.0)]), DEAD_COLOUR) == list(range(11, 53))
-    assert pixels(facing([Zone(200.0, 250.0, 50.0, 0.0)]), DEAD_COLOUR)  # what is no goal looks dead
+    assert pixels(
+        facing([Zone(200.0, 250.0, 50.0, 0.0)]), DEAD_COLOUR
+    )  # what is no goal looks dead
 
 
 @pytest.mark.parametrize(("eyelid", "factor"), [(-0.5, 0.5), (0.0, 1.0), (0.5, 1.5)])
@@ -105,9 +119,16 @@ def test_of_things_and_zones_the_nearer_hides_the_other():
     assert tuple(before[31]) == tuple(before[32]) == BLUE
     assert len(pixels(before, BLUE)) < len(pixels(before, GOAL_COLOUR))
     behind = facing([zone], [thing(350.0, 8.0)])
-    assert not pixels(behind, BLUE) and pixels(behind, GOAL_COLOUR) == pixels(facing([zone]), GOAL_COLOUR)
+    assert not pixels(behind, BLUE) and pixels(behind, GOAL_COLOUR) == pixels(
+        facing([zone]), GOAL_COLOUR
+    )
     wider = facing([zone], [thing(400.0, 120.0)])  # seen on both sides of the zone
-    assert min(pixels(wider, BLUE)) < min(pixels(wider, GOAL_COLOUR)) <= max(pixels(wider, GOAL_COLOUR)) < max(pixels(wider, BLUE))
+    assert (
+        min(pixels(wider, BLUE))
+        < min(pixels(wider, GOAL_COLOUR))
+        <= max(pixels(wider, GOAL_COLOUR))
+        < max(pixels(wider, BLUE))
+    )
 
 
 def test_of_two_zones_the_nearer_hides_the_other_whatever_their_order():
@@ -118,14 +139,21 @@ def test_of_two_zones_the_nearer_hides_the_other_whatever_their_order():
 
 
 def test_the_arms_hide_zones():
-    ahead = Polyphemus(shoulder_rest=0.0, elbow_rest=0.0)  # both arms straight ahead: 12.7 degrees either side are free
-    alone, behind_arms = (pixels(facing([Zone(360.0, 250.0, 150.0, 1.0)], agent=agent), GOAL_COLOUR) for agent in (Polyphemus(), ahead))
+    ahead = Polyphemus(
+        shoulder_rest=0.0, elbow_rest=0.0
+    )  # both arms straight ahead: 12.7 degrees either side are free
+    alone, behind_arms = (
+        pixels(facing([Zone(360.0, 250.0, 150.0, 1.0)], agent=agent), GOAL_COLOUR)
+        for agent in (Polyphemus(), ahead)
+    )
     assert len(alone) == 50 and behind_arms == list(range(23, 41))
 
 
 def test_every_mark_has_its_own_colour_and_place():
     colours = [(1, 2, 3), (4, 5, 6), (7, 8, 9)]
-    marks = tuple(Mark(200.0, 250.0 + 60.0 * (i - 1), 15.0, colour) for i, colour in enumerate(colours))
+    marks = tuple(
+        Mark(200.0, 250.0 + 60.0 * (i - 1), 15.0, colour) for i, colour in enumerate(colours)
+    )
     world = FlatlandWorld(replace(ROOM, things=0, marks=marks))
     world.enter(standing(Polyphemus(), 100.0, 250.0, 0.0))
     view = world.observe()
@@ -166,16 +194,25 @@ def test_a_task_without_zones_is_none():
 def test_a_mark_where_nobody_starts_changes_no_draw():
     corner = (Zone(20.0, 20.0, 15.0, 1.0),)
     for seed in range(10):
-        one, other = (draw_situation(room, FAST, np.random.default_rng(seed)) for room in (ROOM, room_with_zones(ROOM, corner)))
+        one, other = (
+            draw_situation(room, FAST, np.random.default_rng(seed))
+            for room in (ROOM, room_with_zones(ROOM, corner))
+        )
         for field in Situation.__dataclass_fields__:
             assert np.array_equal(getattr(one, field), getattr(other, field)), field
 
 
 def test_a_start_in_a_zone_is_drawn_again_and_only_then():
     free = [draw_situation(ROOM, FAST, np.random.default_rng(seed)).links for seed in range(60)]
-    kept = [draw_situation(room_with_zones(ROOM, ZONES), FAST, np.random.default_rng(seed)).links for seed in range(60)]
+    kept = [
+        draw_situation(room_with_zones(ROOM, ZONES), FAST, np.random.default_rng(seed)).links
+        for seed in range(60)
+    ]
     reach = np.array([zone.radius for zone in ZONES]) + FAST.base_radius + ROOM.clearance
-    inside = [(np.hypot(*(np.array([(z.x, z.y) for z in ZONES]) - links[0, :2]).T) <= reach).any() for links in free]
+    inside = [
+        (np.hypot(*(np.array([(z.x, z.y) for z in ZONES]) - links[0, :2]).T) <= reach).any()
+        for links in free
+    ]
     assert [not np.array_equal(a, b) for a, b in zip(free, kept, strict=True)] == inside
     assert 5 < sum(inside) < 55
 
@@ -185,11 +222,15 @@ def test_a_start_in_a_zone_is_drawn_again_and_only_then():
 
 def rooms_and_reference(mode, agent: Polyphemus | None, limit: int = 25, n: int = 4):
     ours = NavigationVectorEnv(n, ROOM, ZONES, agent, limit, mode)
-    return ours, SyncVectorEnv([lambda: NavigationEnv(ROOM, ZONES, agent, limit)] * n, autoreset_mode=mode)
+    return ours, SyncVectorEnv(
+        [lambda: NavigationEnv(ROOM, ZONES, agent, limit)] * n, autoreset_mode=mode
+    )
 
 
 @pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("agent", [None, Polyphemus(longitudinal_speed=20.0, base_radius=45.0)], ids=["default", "stout"])
+@pytest.mark.parametrize(
+    "agent", [None, Polyphemus(longitudinal_speed=20.0, base_radius=45.0)], ids=["default", "stout"]
+)
 def test_gymnasiums_own_vector_environment_gives_the_same(mode, agent):
     ours, theirs = rooms_and_reference(mode, agent)
     assert np.array_equal(ours.reset(seed=7)[0], theirs.reset(seed=7)[0])
@@ -206,7 +247,9 @@ def test_gymnasiums_own_vector_environment_gives_the_same(mode, agent):
             assert np.array_equal(found[4]["_final_obs"], expected[4]["_final_obs"])
             assert np.array_equal(found[4]["_final_info"], expected[4]["_final_info"])
             last, told = found[4]["final_info"], expected[4]["final_info"]
-            assert np.array_equal(last["is_success"], told["is_success"]) and np.array_equal(last["_is_success"], told["_is_success"])
+            assert np.array_equal(last["is_success"], told["is_success"]) and np.array_equal(
+                last["_is_success"], told["_is_success"]
+            )
             for a, b in zip(found[4]["final_obs"], expected[4]["final_obs"], strict=True):
                 assert (a is None and b is None) or np.array_equal(a, b)
         else:
@@ -228,7 +271,10 @@ def test_a_reset_in_the_middle_starts_all_clocks_anew(mode):
         for _ in range(4):
             environment.step(np.zeros((4, 8), np.float32))
         environment.reset(seed=2)
-    ended = [[environment.step(np.zeros((4, 8), np.float32))[3].tolist() for _ in range(6)] for environment in (ours, theirs)]
+    ended = [
+        [environment.step(np.zeros((4, 8), np.float32))[3].tolist() for _ in range(6)]
+        for environment in (ours, theirs)
+    ]
     assert ended[0] == ended[1] == [[False] * 4] * 5 + [[True] * 4]
 
 
@@ -255,13 +301,20 @@ class Bliss(FlatlandVectorEnv):
         return np.ones(self.num_envs), np.ones(self.num_envs, bool)
 
 
-@pytest.mark.parametrize(("mode", "expected"), [(AutoresetMode.NEXT_STEP, [1, 0, 1, 0]), (AutoresetMode.SAME_STEP, [1, 1, 1, 1])])
+@pytest.mark.parametrize(
+    ("mode", "expected"),
+    [(AutoresetMode.NEXT_STEP, [1, 0, 1, 0]), (AutoresetMode.SAME_STEP, [1, 1, 1, 1])],
+)
 def test_a_step_that_only_resets_pays_nothing_and_ends_nothing(mode, expected):
     environment = Bliss(2, ROOM, FAST, 10, mode)
     environment.reset(seed=0)
     for paid in expected:
         _, rewards, terminated, truncated, _ = environment.step(np.zeros((2, 8), np.float32))
-        assert rewards.tolist() == [paid] * 2 and terminated.tolist() == [bool(paid)] * 2 and not truncated.any()
+        assert (
+            rewards.tolist() == [paid] * 2
+            and terminated.tolist() == [bool(paid)] * 2
+            and not truncated.any()
+        )
 
 
 def test_what_a_step_gave_is_not_overwritten_by_the_next():

@@ -7,7 +7,13 @@ import pytest
 
 from sensory_commutativity.perceptual import weights as module
 from sensory_commutativity.perceptual.features import PerceptualFeatures
-from sensory_commutativity.perceptual.weights import CHANNELS, Weights, WeightsError, cache_file, vgg16_weights
+from sensory_commutativity.perceptual.weights import (
+    CHANNELS,
+    Weights,
+    WeightsError,
+    cache_file,
+    vgg16_weights,
+)
 
 
 def made_up(source: str = "package", seed: int = 0) -> Weights:
@@ -15,7 +21,10 @@ def made_up(source: str = "package", seed: int = 0) -> Weights:
     inputs = (3, *CHANNELS[:-1])
     return Weights(
         tuple(
-            (rng.normal(0, (2 / (9 * i)) ** 0.5, (o, i, 3, 3)).astype(np.float32), rng.normal(0, 0.1, o).astype(np.float32))
+            (
+                rng.normal(0, (2 / (9 * i)) ** 0.5, (o, i, 3, 3)).astype(np.float32),
+                rng.normal(0, 0.1, o).astype(np.float32),
+            )
             for o, i in zip(CHANNELS, inputs, strict=True)
         ),
         source,
@@ -62,19 +71,28 @@ def test_features_are_those_of_torchvisions_network(weights, features):
     network = vgg16(weights=None).features[:30].eval()  # up to the ReLU of block5_conv3
     convolutions = [layer for layer in network if isinstance(layer, torch.nn.Conv2d)]
     for layer, (kernels, biases) in zip(convolutions, weights.convolutions, strict=True):
-        layer.weight.data, layer.bias.data = torch.from_numpy(kernels.copy()), torch.from_numpy(biases.copy())
+        layer.weight.data, layer.bias.data = (
+            torch.from_numpy(kernels.copy()),
+            torch.from_numpy(biases.copy()),
+        )
     images = pictures(2)
-    inputs = torch.from_numpy(images[..., ::-1].copy()).permute(0, 3, 1, 2).float() - torch.tensor([103.939, 116.779, 123.68]).reshape(1, 3, 1, 1)
+    inputs = torch.from_numpy(images[..., ::-1].copy()).permute(0, 3, 1, 2).float() - torch.tensor(
+        [103.939, 116.779, 123.68]
+    ).reshape(1, 3, 1, 1)
     with torch.inference_mode():
         expected = network(inputs).mean((2, 3)).numpy()
     assert features.features(images).shape == (2, 512)
-    assert np.allclose(features.features(images), expected, rtol=1e-3, atol=1e-3 * np.abs(expected).max())
+    assert np.allclose(
+        features.features(images), expected, rtol=1e-3, atol=1e-3 * np.abs(expected).max()
+    )
 
 
 def test_features_do_not_depend_on_their_company(features):
     images = pictures(5)
     whole = features.features(images)
-    assert np.array_equal(whole[::-1], features.features(images[::-1])) and np.array_equal(whole[2:3], features.features(images[2:3]))
+    assert np.array_equal(whole[::-1], features.features(images[::-1])) and np.array_equal(
+        whole[2:3], features.features(images[2:3])
+    )
 
 
 def test_distances_are_squared_and_zero_for_equal_pictures(features):
@@ -82,7 +100,11 @@ def test_distances_are_squared_and_zero_for_equal_pictures(features):
     second[1] = first[1]
     found = features.distances(first, second)
     a, b = features.features(first).astype(float), features.features(second).astype(float)
-    assert found[1] == 0 and found == pytest.approx(((a - b) ** 2).sum(1)) and (found[[0, 2]] > 0).all()
+    assert (
+        found[1] == 0
+        and found == pytest.approx(((a - b) ** 2).sum(1))
+        and (found[[0, 2]] > 0).all()
+    )
 
 
 def test_pictures_of_another_kind_are_refused(features):
@@ -95,7 +117,11 @@ def test_pictures_of_another_kind_are_refused(features):
 def test_weights_are_fetched_once_and_kept(elsewhere, weights):
     assert vgg16_weights().source == "package" and elsewhere == ["hub", "package"]
     again = vgg16_weights()
-    assert elsewhere == ["hub", "package"] and again.sha256 == weights.sha256 and again.source == "package"
+    assert (
+        elsewhere == ["hub", "package"]
+        and again.sha256 == weights.sha256
+        and again.source == "package"
+    )
     assert [path.name for path in cache_file().parent.iterdir()] == ["vgg16.npz"]
 
 
@@ -111,7 +137,10 @@ def test_damaged_weights_are_fetched_anew(elsewhere):
 def test_a_file_may_be_given(elsewhere, tmp_path):
     vgg16_weights()
     cache_file().rename(tmp_path / "mine.npz")
-    assert vgg16_weights(tmp_path / "mine.npz").source == "package" and elsewhere == ["hub", "package"]
+    assert vgg16_weights(tmp_path / "mine.npz").source == "package" and elsewhere == [
+        "hub",
+        "package",
+    ]
     with pytest.raises(WeightsError, match="there is no file"):
         vgg16_weights(tmp_path / "none.npz")
     (tmp_path / "bad.pth").write_text("no weights")
@@ -125,7 +154,9 @@ def test_torchvisions_file_may_be_given(elsewhere, tmp_path, weights):
     places = [0, 2, 5, 7, 10, 12, 14, 17, 19, 21, 24, 26, 28]
     state = {}
     for n, (kernels, biases) in zip(places, weights.convolutions, strict=True):
-        state[f"features.{n}.weight"] = torch.from_numpy(kernels[:, ::-1].copy() if n == 0 else kernels.copy())
+        state[f"features.{n}.weight"] = torch.from_numpy(
+            kernels[:, ::-1].copy() if n == 0 else kernels.copy()
+        )
         state[f"features.{n}.bias"] = torch.from_numpy(biases.copy())
     torch.save(state, tmp_path / "vgg16_features.pth")
     assert vgg16_weights(tmp_path / "vgg16_features.pth").sha256 == weights.sha256
@@ -133,14 +164,19 @@ def test_torchvisions_file_may_be_given(elsewhere, tmp_path, weights):
 
 def test_weights_with_another_hash_are_refused(elsewhere, monkeypatch):
     monkeypatch.setattr(module, "SOURCES", {"package": lambda: made_up(seed=1)})
-    with pytest.raises(WeightsError, match=r"cannot be had \(package: package: the hash of the weights is"):
+    with pytest.raises(
+        WeightsError, match=r"cannot be had \(package: package: the hash of the weights is"
+    ):
         vgg16_weights()
     assert not cache_file().exists()
 
 
 def test_when_no_source_answers_the_remedy_is_told(elsewhere, monkeypatch):
     monkeypatch.setattr(module, "SOURCES", dict.fromkeys(("one", "two"), module.SOURCES["hub"]))
-    with pytest.raises(WeightsError, match=r"one: no network; two: no network\); fetch them where there is internet") as error:
+    with pytest.raises(
+        WeightsError,
+        match=r"one: no network; two: no network\); fetch them where there is internet",
+    ) as error:
         vgg16_weights()
     assert "apartment.weights" in str(error.value) and "\n" not in str(error.value)
 

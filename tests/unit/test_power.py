@@ -9,7 +9,12 @@ import pytest
 from scipy import stats
 from statsmodels.stats.power import TTestIndPower
 
-from sensory_commutativity.statistics.power import MOST_RUNS, detectable_effect, power_of_t_test, runs_needed
+from sensory_commutativity.statistics.power import (
+    MOST_RUNS,
+    detectable_effect,
+    power_of_t_test,
+    runs_needed,
+)
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -25,7 +30,9 @@ PLANNING = {
 @pytest.mark.parametrize("alpha", PLANNING)
 def test_the_table_for_planning(alpha):
     powers, effect, runs = PLANNING[alpha]
-    assert [power_of_t_test(d, 30, alpha) for d in (0.5, 0.8, 1.0, 1.2)] == pytest.approx(powers, abs=0.0056)
+    assert [power_of_t_test(d, 30, alpha) for d in (0.5, 0.8, 1.0, 1.2)] == pytest.approx(
+        powers, abs=0.0056
+    )
     assert detectable_effect(30, alpha) == pytest.approx(effect, abs=0.005)
     assert [runs_needed(d, alpha) for d in (0.5, 0.8, 1.0)] == runs
 
@@ -40,7 +47,9 @@ def test_power_against_statsmodels(n, alpha):
     assert given.sum() > 8  # TTestIndPower is NaN for many large effects
     found = np.array([power_of_t_test(d, n, alpha) for d in effects])
     assert found[given] == pytest.approx(other[given], abs=1e-9)
-    assert (np.diff(found) >= -1e-12).all() and np.isfinite(found).all()  # also where statsmodels has no number
+    assert (np.diff(found) >= -1e-12).all() and np.isfinite(
+        found
+    ).all()  # also where statsmodels has no number
 
 
 def test_power_by_simulation():
@@ -54,7 +63,11 @@ def test_power_where_there_is_no_effect_or_a_huge_one():
     assert power_of_t_test(1e-200, 30, 0.03) == 0.03
     assert power_of_t_test(2e-9, 30, 0.03) == pytest.approx(0.03)
     assert power_of_t_test(2.5, 30, 0.05) == pytest.approx(1)
-    assert power_of_t_test(math.inf, 2, 0.001) == power_of_t_test(-math.inf, 2, 0.001) == pytest.approx(1)
+    assert (
+        power_of_t_test(math.inf, 2, 0.001)
+        == power_of_t_test(-math.inf, 2, 0.001)
+        == pytest.approx(1)
+    )
     assert power_of_t_test(-0.8, 30, 0.05) == power_of_t_test(0.8, 30, 0.05)
 
 

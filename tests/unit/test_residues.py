@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sensory_commutativity.helpers import started
 
-from sensory_commutativity.residues import commutative_residue, commute, equivalent, is_commutative_residue
-from sensory_commutativity.sequences import compose
+from sensory_commutativity.scp.equivalence import (
+    commutative_residue,
+    commute,
+    equivalent,
+    is_commutative_residue,
+)
+from sensory_commutativity.scp.sequences import compose
 from sensory_commutativity.worlds.corridor import Corridor
-
-from ..helpers import started
 
 
 def moves(*directions: float) -> np.ndarray:
@@ -33,7 +37,10 @@ class Recorder:
         return self.says
 
 
-@pytest.mark.parametrize(("says", "threshold", "expected"), [(0.0, 0.0, True), (1e-300, 0.0, False), (2.0, 2.0, True), (2.1, 2.0, False)])
+@pytest.mark.parametrize(
+    ("says", "threshold", "expected"),
+    [(0.0, 0.0, True), (1e-300, 0.0, False), (2.0, 2.0, True), (2.1, 2.0, False)],
+)
 def test_equivalent_means_at_most_the_threshold(where, says, threshold, expected):
     distance = Recorder(says)
     assert equivalent(*where, moves(1), moves(-1), distance, threshold) is expected
@@ -48,7 +55,9 @@ def test_commute_compares_the_two_orders(where):
 
 def test_the_residue_follows_the_second_order(where):
     distance = Recorder(0.0)
-    assert is_commutative_residue(*where, moves(-1, -1, -1), moves(1, 1), moves(-1), distance=distance)
+    assert is_commutative_residue(
+        *where, moves(-1, -1, -1), moves(1, 1), moves(-1), distance=distance
+    )
     assert distance.given == [([0, -1, 1], [-2, -1, 1])]
 
 

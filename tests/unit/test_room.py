@@ -9,10 +9,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sensory_commutativity.helpers import FLATLAND_PAIRS, changed, started
 
 from sensory_commutativity.errors import ConfigError
+from sensory_commutativity.studies.flatland.builders import (
+    check_rooms,
+    flatland_agent,
+    flatland_room,
+)
 from sensory_commutativity.worlds.flatland.agent import N_LINKS, Polyphemus
-from sensory_commutativity.worlds.flatland.from_config import check_rooms, flatland_agent, flatland_room
 from sensory_commutativity.worlds.flatland.room import (
     FIXED,
     KIND_NAMES,
@@ -26,8 +31,6 @@ from sensory_commutativity.worlds.flatland.room import (
     path_point,
 )
 from sensory_commutativity.worlds.flatland.world import FlatlandWorld
-
-from ..helpers import FLATLAND_PAIRS, changed, started
 
 
 def draw(seed: int, room: Room | None = None, agent: Polyphemus | None = None) -> Situation:
@@ -52,30 +55,53 @@ def arm_segments(agent: Polyphemus, links: np.ndarray) -> list[tuple[np.ndarray,
 @pytest.mark.parametrize("pair", FLATLAND_PAIRS, ids="/".join)
 def test_nothing_touches_at_the_start(pair, default_config):
     world, name = pair
-    room, agent = flatland_room(default_config.flatland, world), flatland_agent(default_config.flatland, name)
+    room, agent = (
+        flatland_room(default_config.flatland, world),
+        flatland_agent(default_config.flatland, name),
+    )
     for seed in range(15):
         s = draw(seed, room, agent)
         segments = arm_segments(agent, s.links)
-        reach = [s.radius[i] + (np.hypot(*(s.path[i, 0] - middle)) if s.corners[i] else 0.0) for i, middle in enumerate(middles(s))]
+        reach = [
+            s.radius[i] + (np.hypot(*(s.path[i, 0] - middle)) if s.corners[i] else 0.0)
+            for i, middle in enumerate(middles(s))
+        ]
         for i, middle in enumerate(middles(s)):
             assert np.hypot(*(middle - s.links[0, :2])) > reach[i] + agent.base_radius
-            assert min(to_segment(middle, a, b) for a, b in segments) > reach[i] + agent.arm_width / 2
-            assert all(np.hypot(*(middle - other)) > reach[i] + reach[j] for j, other in enumerate(middles(s)) if j != i)
+            assert (
+                min(to_segment(middle, a, b) for a, b in segments) > reach[i] + agent.arm_width / 2
+            )
+            assert all(
+                np.hypot(*(middle - other)) > reach[i] + reach[j]
+                for j, other in enumerate(middles(s))
+                if j != i
+            )
         if room.walls:
             inside = np.array([room.width, room.height]) - room.wall_thickness / 2
             points = np.concatenate([np.reshape(segments, (-1, 2)), s.links[:1, :2]])
             around = np.array([agent.arm_width / 2] * 8 + [agent.base_radius])[:, None]
-            assert (points > room.wall_thickness / 2 + around).all() and (points < inside - around).all()
+            assert (points > room.wall_thickness / 2 + around).all() and (
+                points < inside - around
+            ).all()
             if room.things:
                 bounds = np.array(reach)[:, None]
-                assert (middles(s) > room.wall_thickness / 2 + bounds).all() and (middles(s) < inside - bounds).all()
+                assert (middles(s) > room.wall_thickness / 2 + bounds).all() and (
+                    middles(s) < inside - bounds
+                ).all()
             assert (s.links[0, :2] >= room.start_margin).all()
-            assert (s.links[0, :2] <= [room.width - room.start_margin, room.height - room.start_margin]).all()
+            assert (
+                s.links[0, :2] <= [room.width - room.start_margin, room.height - room.start_margin]
+            ).all()
 
 
 def middles(s: Situation) -> np.ndarray:
     """Where each thing is at home: the middle of its path, or where it stands."""
-    return np.array([s.path[i, : s.corners[i]].mean(axis=0) if s.corners[i] else s.pose[i, :2] for i in range(s.n_things)]).reshape(-1, 2)
+    return np.array(
+        [
+            s.path[i, : s.corners[i]].mean(axis=0) if s.corners[i] else s.pose[i, :2]
+            for i in range(s.n_things)
+        ]
+    ).reshape(-1, 2)
 
 
 def test_starts_at_rest():
@@ -90,7 +116,11 @@ def test_starts_at_rest():
 
 def test_starts_are_spread_over_the_room_and_all_directions():
     starts = np.array([draw(seed, Room(things=0)).links[0] for seed in range(1000)])
-    for values, low, high in ((starts[:, 0], 150, 450), (starts[:, 1], 150, 650), (starts[:, 2], -math.pi, math.pi)):
+    for values, low, high in (
+        (starts[:, 0], 150, 450),
+        (starts[:, 1], 150, 650),
+        (starts[:, 2], -math.pi, math.pi),
+    ):
         counts, _ = np.histogram(values, 5, (low, high))
         assert counts.sum() == 1000
         assert np.abs(counts - 200).max() < 5 * math.sqrt(200)
@@ -149,8 +179,16 @@ def test_colours_are_colorsys_s():
 @pytest.mark.parametrize(
     ("room", "agent", "says"),
     [
-        (Room(width=200.0, height=200.0, things=10, start_margin=95.0), Polyphemus(arm_length=20.0), "no free place for thing"),
-        (Room(width=260.0, height=260.0, things=0, start_margin=40.0), Polyphemus(arm_length=150.0), "the agent does not fit"),
+        (
+            Room(width=200.0, height=200.0, things=10, start_margin=95.0),
+            Polyphemus(arm_length=20.0),
+            "no free place for thing",
+        ),
+        (
+            Room(width=260.0, height=260.0, things=0, start_margin=40.0),
+            Polyphemus(arm_length=150.0),
+            "the agent does not fit",
+        ),
     ],
 )
 def test_a_room_that_is_too_full_says_so(room, agent, says):
@@ -160,17 +198,29 @@ def test_a_room_that_is_too_full_says_so(room, agent, says):
 
 def test_check_rooms_names_what_does_not_fit(default_config):
     check_rooms(default_config)
-    full = changed(default_config, worlds={"things-8": {"things": 24, "width": 320.0, "height": 320.0}})
-    with pytest.raises(ConfigError, match=r"flatland\.worlds\.things-8 with flatland\.agents\..*no free place"):
+    full = changed(
+        default_config, worlds={"things-8": {"things": 24, "width": 320.0, "height": 320.0}}
+    )
+    with pytest.raises(
+        ConfigError, match=r"flatland\.worlds\.things-8 with flatland\.agents\..*no free place"
+    ):
         check_rooms(full)
-    narrow = changed(default_config, worlds={"things-0": {"width": 305.0, "height": 305.0}}, agents={"long-arms": {"arm_length": 150.0}})
-    with pytest.raises(ConfigError, match=r"things-0 with flatland\.agents\.long-arms: the agent does not fit"):
+    narrow = changed(
+        default_config,
+        worlds={"things-0": {"width": 305.0, "height": 305.0}},
+        agents={"long-arms": {"arm_length": 150.0}},
+    )
+    with pytest.raises(
+        ConfigError, match=r"things-0 with flatland\.agents\.long-arms: the agent does not fit"
+    ):
         check_rooms(narrow)
 
 
 # ---- paths -----------------------------------------------------------------------------------------------------------------
 
-SQUARE = np.array([(0, 0), (10, 0), (10, 10), (0, 10)] + [(99, 99)] * 12, float)  # the rest is never looked at
+SQUARE = np.array(
+    [(0, 0), (10, 0), (10, 10), (0, 10)] + [(99, 99)] * 12, float
+)  # the rest is never looked at
 
 
 @pytest.mark.parametrize(
@@ -195,7 +245,9 @@ def test_points_of_a_square(distance, expected):
 
 def test_a_line_goes_there_and_back():
     assert path_length(SQUARE, 2) == 20
-    assert [path_point(SQUARE, 2, d)[0] for d in (0, 4, 10, 14, 20, 24)] == pytest.approx([0, 4, 10, 6, 0, 4])
+    assert [path_point(SQUARE, 2, d)[0] for d in (0, 4, 10, 14, 20, 24)] == pytest.approx(
+        [0, 4, 10, 6, 0, 4]
+    )
 
 
 @given(st.floats(0, 1000), st.floats(0, 3))

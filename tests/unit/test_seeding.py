@@ -52,7 +52,10 @@ def test_every_root_has_seeds_of_its_own():
     assert len({seed_for(root, "a", 1) for root in range(100)}) == 100
 
 
-@given(st.integers(0, 2**63 - 1), st.lists(st.one_of(st.text(max_size=8), st.integers(0, 2**64 - 1)), max_size=4))
+@given(
+    st.integers(0, 2**63 - 1),
+    st.lists(st.one_of(st.text(max_size=8), st.integers(0, 2**64 - 1)), max_size=4),
+)
 def test_seeds_are_repeatable_and_fit_a_table(root, key):
     seed = seed_for(root, *key)
     assert type(seed) is int
@@ -74,7 +77,12 @@ PINNED_DRAW = 717286282
 def test_seeds_do_not_depend_on_the_process():
     """Python's own hash of a text does."""
     code = "from sensory_commutativity.seeding import seed_for; print(seed_for(3, 'situation', 'é', 5))"
-    told = {subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout for _ in range(2)}
+    told = {
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
+        for _ in range(2)
+    }
     assert told == {f"{seed_for(3, 'situation', 'é', 5)}\n"}
 
 

@@ -8,9 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from sensory_commutativity.sequences import compose, inverse, no_op, permute, sample_sequence
+from sensory_commutativity.scp.sequences import compose, inverse, no_op, permute, sample_sequence
 
-sequences = st.integers(0, 12).flatmap(lambda n: arrays(np.float64, (n, 3), elements=st.floats(-1, 1)))
+sequences = st.integers(0, 12).flatmap(
+    lambda n: arrays(np.float64, (n, 3), elements=st.floats(-1, 1))
+)
 
 
 @given(st.integers(0, 2**32), st.integers(1, 60), st.integers(0, 7))

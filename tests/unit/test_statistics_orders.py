@@ -32,12 +32,16 @@ def test_the_same_and_the_reverse_order():
 def test_pairing_narrows_the_interval_where_units_are_shared():
     """Two measurements that fail on the same units agree in every resample; resampled apart they do not."""
     a = drawn(np.array([0.5, 0.52, 0.54]), 200, 3)
-    paired, apart = (order_agreement(a, a, np.random.default_rng(1), paired=way) for way in (True, False))
+    paired, apart = (
+        order_agreement(a, a, np.random.default_rng(1), paired=way) for way in (True, False)
+    )
     assert paired.ci_low == pytest.approx(1) and apart.ci_low < 0.9
 
 
 def test_what_is_all_tied_has_no_order():
-    found = order_agreement(np.ones((10, 4)), drawn(P[:4], 10, 0), np.random.default_rng(0), paired=False)
+    found = order_agreement(
+        np.ones((10, 4)), drawn(P[:4], 10, 0), np.random.default_rng(0), paired=False
+    )
     assert all(np.isnan(found))
 
 
@@ -46,7 +50,10 @@ def test_the_interval_covers():
     held = 0
     for seed in range(40):
         a, b = drawn(P, 60, 2 * seed), drawn(P, 60, 2 * seed + 1)
-        held += order_agreement(a, b, np.random.default_rng(seed), paired=False, resamples=200).ci_high >= 0.999
+        held += (
+            order_agreement(a, b, np.random.default_rng(seed), paired=False, resamples=200).ci_high
+            >= 0.999
+        )
     assert held >= 34
 
 

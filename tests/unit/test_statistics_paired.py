@@ -25,7 +25,12 @@ def quick_holm():
 
 def pairs(both: int, only_a: int, only_b: int, neither: int) -> tuple[np.ndarray, np.ndarray]:
     """Two boolean arrays with these counts."""
-    cells = [(True, True)] * both + [(True, False)] * only_a + [(False, True)] * only_b + [(False, False)] * neither
+    cells = (
+        [(True, True)] * both
+        + [(True, False)] * only_a
+        + [(False, True)] * only_b
+        + [(False, False)] * neither
+    )
     return tuple(np.array(cells, bool).reshape(-1, 2).T)
 
 
@@ -39,7 +44,10 @@ def test_mcnemar_by_hand():
     assert found.p == pytest.approx(2 * (1 + 6) / 2**6)  # 0 or 1 of 6 fair coins, on either side
 
 
-@pytest.mark.parametrize(("only_a", "only_b", "p"), [(0, 0, 1.0), (1, 0, 1.0), (4, 4, 1.0), (6, 0, 2 / 64), (0, 10, 2 / 1024)])
+@pytest.mark.parametrize(
+    ("only_a", "only_b", "p"),
+    [(0, 0, 1.0), (1, 0, 1.0), (4, 4, 1.0), (6, 0, 2 / 64), (0, 10, 2 / 1024)],
+)
 def test_mcnemar_known_values(only_a, only_b, p):
     assert mcnemar(*pairs(2, only_a, only_b, 2)).p == pytest.approx(p)
 
@@ -52,7 +60,9 @@ def test_mcnemar_against_scipy_and_statsmodels(both, only_a, only_b, neither):
     found = mcnemar(a, b)
     if only_a + only_b:
         assert found.p == pytest.approx(binomtest(only_a, only_a + only_b, 0.5).pvalue)
-        assert found.p == pytest.approx(contingency_tables.mcnemar([[both, only_a], [only_b, neither]], exact=True).pvalue)
+        assert found.p == pytest.approx(
+            contingency_tables.mcnemar([[both, only_a], [only_b, neither]], exact=True).pvalue
+        )
     assert found.difference == pytest.approx(a.mean() - b.mean())
     mirrored = mcnemar(b, a)
     assert (mirrored.only_a, mirrored.only_b, mirrored.p) == (only_b, only_a, found.p)
@@ -66,7 +76,9 @@ def test_mcnemar_uses_the_pairing():
 
 
 def test_mcnemar_takes_zeros_and_ones():
-    assert mcnemar(np.array([1, 1, 0]), np.array([0, 1, 0])) == mcnemar(np.array([True, True, False]), np.array([False, True, False]))
+    assert mcnemar(np.array([1, 1, 0]), np.array([0, 1, 0])) == mcnemar(
+        np.array([True, True, False]), np.array([False, True, False])
+    )
 
 
 @pytest.mark.parametrize(("a", "b"), [([True], [True, False]), ([], []), ([[True]], [True])])
@@ -89,7 +101,10 @@ def test_mcnemar_keeps_its_level():
 
 def test_interval_by_hand():
     low, high = paired_difference_interval(5, 1, 10)
-    middle, half = 4 / 12, 1.959963984540054 * math.sqrt(7 - 16 / 12) / 12  # half a pair more in each cell: 5.5, 1.5, 12
+    middle, half = (
+        4 / 12,
+        1.959963984540054 * math.sqrt(7 - 16 / 12) / 12,
+    )  # half a pair more in each cell: 5.5, 1.5, 12
     assert (low, high) == pytest.approx((middle - half, middle + half))
 
 

@@ -35,12 +35,18 @@ def test_known_values(successes, n, low, high):
     assert found[1][0] == pytest.approx(high, abs=6e-5)
 
 
-@given(st.integers(1, 500).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n))), st.sampled_from([0.8, 0.9, 0.95, 0.99]))
+@given(
+    st.integers(1, 500).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n))),
+    st.sampled_from([0.8, 0.9, 0.95, 0.99]),
+)
 def test_against_the_formula_and_scipy(counts, confidence):
     k, n = counts
     low, high = (float(x) for x in wilson_interval(np.array(k), np.array(n), confidence))
     z, p = norm.ppf(0.5 + confidence / 2), k / n
-    middle, half = (p + z * z / (2 * n)) / (1 + z * z / n), z / (1 + z * z / n) * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
+    middle, half = (
+        (p + z * z / (2 * n)) / (1 + z * z / n),
+        z / (1 + z * z / n) * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n)),
+    )
     assert (low, high) == pytest.approx((middle - half, middle + half), abs=1e-12)
     expected = binomtest(k, n).proportion_ci(confidence, method="wilson")
     assert (low, high) == pytest.approx((expected.low, expected.high), abs=1e-12)

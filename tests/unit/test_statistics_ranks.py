@@ -31,14 +31,18 @@ def test_the_opposite_order():
 
 def test_by_hand():
     """Ranks 1 2 3 4 5 and 2 1 4 3 5: the squared differences sum to 4; 2 of 10 pairs are discordant."""
-    found = rank_correlation(np.array([1.0, 2, 3, 4, 5]), np.array([20.0, 10, 40, 30, 50]), rng(), 50)
+    found = rank_correlation(
+        np.array([1.0, 2, 3, 4, 5]), np.array([20.0, 10, 40, 30, 50]), rng(), 50
+    )
     assert found.spearman == pytest.approx(1 - 6 * 4 / (5 * 24))
     assert found.kendall == pytest.approx((8 - 2) / 10)
 
 
 def test_p_approaches_the_exact_one():
     """Of the 6 orders of three things 2 have |rho| = 1, and all have |rho| >= 1/2."""
-    assert rank_correlation(np.arange(3.0), np.arange(3.0), rng(), 1000).p == pytest.approx(1 / 3, abs=0.05)
+    assert rank_correlation(np.arange(3.0), np.arange(3.0), rng(), 1000).p == pytest.approx(
+        1 / 3, abs=0.05
+    )
     assert rank_correlation(np.arange(3.0), np.array([0.0, 2, 1]), rng(), 200).p == 1.0
 
 
@@ -65,6 +69,8 @@ def test_the_generator_decides():
 
 def test_p_keeps_its_level_for_unrelated_measures():
     random = np.random.default_rng(5)
-    p = np.array([rank_correlation(random.random(8), random.random(8), random, 19).p for _ in range(120)])
+    p = np.array(
+        [rank_correlation(random.random(8), random.random(8), random, 19).p for _ in range(120)]
+    )
     assert 0.3 < np.mean(p <= 0.5) < 0.68
     assert np.mean(p <= 0.05) < 0.12  # p is at least 1/20

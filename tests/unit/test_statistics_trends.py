@@ -23,7 +23,9 @@ def test_trend_published_case():
     assert found.z**2 == pytest.approx(6.5701, abs=1e-4)
     assert found.p == pytest.approx(0.0104, abs=5e-5)
     assert found.z > 0
-    assert found.slope == pytest.approx(0.0017, abs=5e-5)  # the same source's linear fit: 0.0017 per unit
+    assert found.slope == pytest.approx(
+        0.0017, abs=5e-5
+    )  # the same source's linear fit: 0.0017 per unit
 
 
 def test_trend_by_hand():
@@ -47,37 +49,56 @@ def test_trend_slope_is_weighted_least_squares():
     rng = np.random.default_rng(1)
     n, scores = rng.integers(10, 100, 6), np.array([0.0, 4, 8, 12, 13, 20])
     successes = rng.binomial(n, 0.3)
-    expected = np.polyfit(np.repeat(scores, n), np.concatenate([np.arange(m) < k for k, m in zip(successes, n, strict=True)]).astype(float), 1)[0]
+    expected = np.polyfit(
+        np.repeat(scores, n),
+        np.concatenate([np.arange(m) < k for k, m in zip(successes, n, strict=True)]).astype(float),
+        1,
+    )[0]
     assert cochran_armitage(successes, n, scores).slope == pytest.approx(expected)
 
 
 def test_trend_does_not_depend_on_the_scale_of_the_scores():
-    z = [cochran_armitage([3, 5, 9], [20, 20, 20], np.array([0, 4, 8]) * scale + shift).z for scale, shift in ((1, 0), (10, 0), (1, -100))]
+    z = [
+        cochran_armitage([3, 5, 9], [20, 20, 20], np.array([0, 4, 8]) * scale + shift).z
+        for scale, shift in ((1, 0), (10, 0), (1, -100))
+    ]
     assert z == pytest.approx([z[0]] * 3)
     assert cochran_armitage([3, 5, 9], [20, 20, 20], [8, 4, 0]).z == pytest.approx(-z[0])
 
 
-@pytest.mark.parametrize(("successes", "scores"), [([10, 10], [0, 1]), ([0, 0], [0, 1]), ([3, 7], [2, 2])])
+@pytest.mark.parametrize(
+    ("successes", "scores"), [([10, 10], [0, 1]), ([0, 0], [0, 1]), ([3, 7], [2, 2])]
+)
 def test_trend_where_there_is_none_to_see(successes, scores):
     assert cochran_armitage(successes, [10, 10], scores) == (0.0, 0.0, 1.0)
 
 
 def test_trend_p_is_uniform_without_a_trend():
     rng = np.random.default_rng(31)
-    p = [cochran_armitage(rng.binomial(300, 0.4, 4), [300] * 4, [0, 4, 8, 12]).p for _ in range(600)]
+    p = [
+        cochran_armitage(rng.binomial(300, 0.4, 4), [300] * 4, [0, 4, 8, 12]).p for _ in range(600)
+    ]
     assert kstest(p, "uniform").pvalue > 0.01
     assert 0.03 < np.mean(np.array(p) <= 0.05) < 0.075
 
 
 def test_trend_is_found_where_there_is_one():
     rng = np.random.default_rng(32)
-    p = [cochran_armitage(rng.binomial(300, [0.9, 0.85, 0.8, 0.75]), [300] * 4, [0, 4, 8, 12]).p for _ in range(50)]
+    p = [
+        cochran_armitage(rng.binomial(300, [0.9, 0.85, 0.8, 0.75]), [300] * 4, [0, 4, 8, 12]).p
+        for _ in range(50)
+    ]
     assert np.mean(np.array(p) < 0.05) > 0.95
 
 
 # ---- Cochran-Mantel-Haenszel -----------------------------------------------------------------------------------------------
 
-A, N_A, B, N_B = np.array([8, 12, 20]), np.array([20, 30, 40]), np.array([4, 10, 12]), np.array([25, 30, 35])
+A, N_A, B, N_B = (
+    np.array([8, 12, 20]),
+    np.array([20, 30, 40]),
+    np.array([4, 10, 12]),
+    np.array([25, 30, 35]),
+)
 
 
 def by_hand(a, n_a, b, n_b) -> tuple[float, float]:
@@ -97,14 +118,21 @@ def test_strata_by_hand():
 
 def test_strata_against_statsmodels():
     found = mantel_haenszel(A, N_A, B, N_B)
-    table = StratifiedTable([np.array([[a, n - a], [b, m - b]]) for a, n, b, m in zip(A, N_A, B, N_B, strict=True)])
+    table = StratifiedTable(
+        [np.array([[a, n - a], [b, m - b]]) for a, n, b, m in zip(A, N_A, B, N_B, strict=True)]
+    )
     assert found.odds_ratio == pytest.approx(table.oddsratio_pooled)
     assert found.p == pytest.approx(table.test_null_odds(correction=False).pvalue)
 
 
 def test_strata_published_case():
     """Clinical trial of a cream in eight centres (Agresti, Categorical Data Analysis, table 6.9): CMH 6.38, p 0.012, odds ratio 2.13."""
-    found = mantel_haenszel([11, 16, 14, 2, 6, 1, 1, 4], [36, 20, 19, 16, 17, 11, 5, 6], [10, 22, 7, 1, 0, 0, 1, 6], [37, 32, 19, 17, 12, 10, 9, 7])
+    found = mantel_haenszel(
+        [11, 16, 14, 2, 6, 1, 1, 4],
+        [36, 20, 19, 16, 17, 11, 5, 6],
+        [10, 22, 7, 1, 0, 0, 1, 6],
+        [37, 32, 19, 17, 12, 10, 9, 7],
+    )
     assert found.odds_ratio == pytest.approx(2.13, abs=0.01)
     assert found.p == pytest.approx(0.012, abs=0.0005)
 
@@ -124,7 +152,9 @@ def test_groups_can_be_swapped():
 
 def test_strata_that_say_nothing_change_nothing():
     plain = mantel_haenszel(A, N_A, B, N_B)
-    padded = mantel_haenszel([*A, 50, 0], [*N_A, 50, 9], [*B, 50, 0], [*N_B, 50, 9])  # all commuted; none did
+    padded = mantel_haenszel(
+        [*A, 50, 0], [*N_A, 50, 9], [*B, 50, 0], [*N_B, 50, 9]
+    )  # all commuted; none did
     assert padded == pytest.approx(plain)
 
 
@@ -135,7 +165,9 @@ def test_nothing_but_such_strata(k):
 
 def test_one_group_without_failures():
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # statsmodels divides by zero on the way to infinity
+        warnings.simplefilter(
+            "ignore", RuntimeWarning
+        )  # statsmodels divides by zero on the way to infinity
         found = mantel_haenszel([10, 8], [10, 8], [5, 4], [10, 8])
     assert found.odds_ratio == math.inf
     with np.errstate(divide="ignore"):
@@ -146,6 +178,10 @@ def test_strata_p_is_uniform_without_a_difference():
     rng, p = np.random.default_rng(7), []
     rates = np.array([0.9, 0.6, 0.4])  # strata differ, groups do not
     for _ in range(300):
-        p.append(mantel_haenszel(rng.binomial(150, rates), [150] * 3, rng.binomial(100, rates), [100] * 3).p)
+        p.append(
+            mantel_haenszel(
+                rng.binomial(150, rates), [150] * 3, rng.binomial(100, rates), [100] * 3
+            ).p
+        )
     assert kstest(p, "uniform").pvalue > 0.01
     assert 0.02 < np.mean(np.array(p) <= 0.05) < 0.09

@@ -41,7 +41,9 @@ def test_there_is_something_to_check():
 
 @pytest.mark.parametrize("source", SOURCES, ids=name)
 def test_only_worlds_import_a_physics_engine(source):
-    engines = {module for module in imported(source) if module.split(".")[0] in ("pymunk", "pybullet")}
+    engines = {
+        module for module in imported(source) if module.split(".")[0] in ("pymunk", "pybullet")
+    }
     assert not engines or "worlds" in source.relative_to(PACKAGE).parts
 
 
@@ -51,15 +53,26 @@ def test_nothing_knows_snakemake(source):
 
 
 @pytest.mark.parametrize(
-    "source", [PACKAGE / f"{module}.py" for module in ("experiment", "residues", "sequences", "distances", "estimate")], ids=name
+    "source",
+    [
+        PACKAGE / f"{module}.py"
+        for module in ("experiment", "residues", "sequences", "distances", "estimate")
+    ],
+    ids=name,
 )
 def test_the_idea_knows_no_world(source):
     assert not {module for module in imported(source) if "worlds" in module} - {".worlds.base"}
 
 
-@pytest.mark.parametrize("source", [s for s in SOURCES if "worlds" in s.relative_to(PACKAGE).parts], ids=name)
+@pytest.mark.parametrize(
+    "source", [s for s in SOURCES if "worlds" in s.relative_to(PACKAGE).parts], ids=name
+)
 def test_worlds_know_no_experiment(source):
-    assert not {module for module in imported(source) if module.lstrip(".").split(".")[0] in ("experiment", "residues", "estimate", "stages")}
+    assert not {
+        module
+        for module in imported(source)
+        if module.lstrip(".").split(".")[0] in ("experiment", "residues", "estimate", "stages")
+    }
 
 
 @pytest.mark.parametrize("source", SOURCES, ids=name)
@@ -70,7 +83,9 @@ def test_every_file_says_what_it_is_and_is_not_too_long(source):
     assert len(text.splitlines()) <= 350  # design.md, section 4
 
 
-@pytest.mark.parametrize("module", ["worlds.corridor", "worlds.flatland.world", "worlds.base", "experiment", "sequences"])
+@pytest.mark.parametrize(
+    "module", ["worlds.corridor", "worlds.flatland.world", "worlds.base", "experiment", "sequences"]
+)
 def test_examples_in_docstrings(module):
     result = doctest.testmod(importlib.import_module(f"sensory_commutativity.{module}"))
     assert result.failed == 0
@@ -87,8 +102,12 @@ def test_the_cache_is_named_after_the_sources(monkeypatch, tmp_path):
     assert folder.is_relative_to(tmp_path)
     assert folder == compiled._cache_folder()
     read = Path.read_bytes
-    edited = PACKAGE / "worlds" / "flatland" / "room.py"  # its functions are compiled into those of control.py
-    monkeypatch.setattr(Path, "read_bytes", lambda self: read(self) + (b"# edited" if self == edited else b""))
+    edited = (
+        PACKAGE / "worlds" / "flatland" / "room.py"
+    )  # its functions are compiled into those of control.py
+    monkeypatch.setattr(
+        Path, "read_bytes", lambda self: read(self) + (b"# edited" if self == edited else b"")
+    )
     assert compiled._cache_folder() != folder
 
 
@@ -101,5 +120,7 @@ def test_the_cache_goes_where_it_can_be_written(monkeypatch, tmp_path):
 def test_a_cache_that_was_asked_for_is_used(tmp_path):
     code = "import sensory_commutativity.compiled, numba; print(numba.config.CACHE_DIR)"
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True
+    )
     assert run.stdout.strip() == str(tmp_path)

@@ -9,7 +9,12 @@ import pytest
 from scipy import stats
 from statsmodels.duration.survfunc import SurvfuncRight, survdiff
 
-from sensory_commutativity.statistics.survival import SurvivalCurve, kaplan_meier, log_rank, median_time
+from sensory_commutativity.statistics.survival import (
+    SurvivalCurve,
+    kaplan_meier,
+    log_rank,
+    median_time,
+)
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -23,7 +28,9 @@ def median_of(curve: SurvivalCurve) -> float:
 
 
 def parse(text: str) -> tuple[np.ndarray, np.ndarray]:
-    return np.array([float(word.rstrip("+")) for word in text.split()]), np.array([not word.endswith("+") for word in text.split()])
+    return np.array([float(word.rstrip("+")) for word in text.split()]), np.array(
+        [not word.endswith("+") for word in text.split()]
+    )
 
 
 def simulated(seed: int, n: int, scale: float, end: float = 10.0) -> tuple[np.ndarray, np.ndarray]:
@@ -42,7 +49,14 @@ def test_kaplan_meier_of_the_textbooks():
     assert at[6] == (21, 3, 0.857)
     assert at[7] == (17, 1, 0.807)
     assert at[9] == (16, 0, 0.807)
-    assert [at[t][2] for t in (10, 13, 16, 22, 23, 35)] == [0.753, 0.690, 0.627, 0.538, 0.448, 0.448]
+    assert [at[t][2] for t in (10, 13, 16, 22, 23, 35)] == [
+        0.753,
+        0.690,
+        0.627,
+        0.538,
+        0.448,
+        0.448,
+    ]
     assert at[35] == (1, 0, 0.448)
     assert median_of(curve) == 23
     assert median_of(kaplan_meier(*parse(PLACEBO))) == 8
@@ -57,10 +71,14 @@ def test_kaplan_meier_by_hand():
     assert curve.survival == pytest.approx([1, 3 / 4, 3 / 4, 3 / 8, 3 / 8])
     variance = 1 / (4 * 3) + 1 / (2 * 1)  # Greenwood's sum at 5
     spread = 1.959963984540054 * math.sqrt(variance) / abs(math.log(3 / 8))
-    assert (curve.ci_low[3], curve.ci_high[3]) == pytest.approx(((3 / 8) ** math.exp(spread), (3 / 8) ** math.exp(-spread)))
+    assert (curve.ci_low[3], curve.ci_high[3]) == pytest.approx(
+        ((3 / 8) ** math.exp(spread), (3 / 8) ** math.exp(-spread))
+    )
 
 
-@pytest.mark.parametrize("data", [parse(TREATED), parse(PLACEBO), simulated(1, 60, 6), simulated(2, 30, 30)])
+@pytest.mark.parametrize(
+    "data", [parse(TREATED), parse(PLACEBO), simulated(1, 60, 6), simulated(2, 30, 30)]
+)
 def test_kaplan_meier_against_statsmodels(data):
     curve, other = kaplan_meier(*data), SurvfuncRight(*data)
     events = curve.events > 0
@@ -74,7 +92,9 @@ def test_kaplan_meier_against_statsmodels(data):
 
 def test_intervals_follow_the_confidence():
     wide, narrow = (kaplan_meier(*parse(TREATED), confidence) for confidence in (0.99, 0.5))
-    assert (wide.ci_low[1:] < narrow.ci_low[1:]).all() and (wide.ci_high[1:] > narrow.ci_high[1:]).all()
+    assert (wide.ci_low[1:] < narrow.ci_low[1:]).all() and (
+        wide.ci_high[1:] > narrow.ci_high[1:]
+    ).all()
 
 
 def test_nobody_reached():
@@ -96,7 +116,9 @@ def test_losses_before_the_first_event_leave_fewer_to_tell():
 def test_all_reached_at_once():
     curve = kaplan_meier([4.0] * 30, [True] * 30)
     assert curve.survival.tolist() == [1, 0]
-    assert (curve.ci_low[1], curve.ci_high[1]) == pytest.approx(tuple(stats.binomtest(0, 30).proportion_ci()))
+    assert (curve.ci_low[1], curve.ci_high[1]) == pytest.approx(
+        tuple(stats.binomtest(0, 30).proportion_ci())
+    )
     assert median_of(curve) == 4
 
 
@@ -118,8 +140,13 @@ def test_an_event_at_time_zero_has_its_own_row():
 @pytest.mark.parametrize("n", range(2, 60, 2))
 def test_the_median_is_found_where_exactly_half_are_left(n):
     """Also where products of fractions leave a little more than one half."""
-    assert median_of(kaplan_meier(np.append(np.arange(1, n + 1), n + 1), [True] * n + [False])) == n // 2 + 1
-    assert median_of(kaplan_meier(np.append(np.arange(1, n), n), [True] * (n - 1) + [False])) == n // 2
+    assert (
+        median_of(kaplan_meier(np.append(np.arange(1, n + 1), n + 1), [True] * n + [False]))
+        == n // 2 + 1
+    )
+    assert (
+        median_of(kaplan_meier(np.append(np.arange(1, n), n), [True] * (n - 1) + [False])) == n // 2
+    )
 
 
 def test_a_median_that_is_not_reached():
@@ -176,7 +203,11 @@ def test_log_rank_of_two_runs_by_hand():
 def test_log_rank_where_one_group_never_gets_there():
     found = log_rank(*parse("3 4 5 6 7 8"), *parse("9+ 9+ 9+ 9+ 9+ 9+"))
     assert found.statistic > 0
-    assert found.p == pytest.approx(survdiff(np.array([3, 4, 5, 6, 7, 8] + [9] * 6), np.repeat([1, 0], 6), np.repeat([0, 1], 6))[1])
+    assert found.p == pytest.approx(
+        survdiff(
+            np.array([3, 4, 5, 6, 7, 8] + [9] * 6), np.repeat([1, 0], 6), np.repeat([0, 1], 6)
+        )[1]
+    )
 
 
 # ---- what is refused -------------------------------------------------------------------------------------------------------

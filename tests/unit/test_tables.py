@@ -15,12 +15,23 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from sensory_commutativity import provenance as provenance_module
 from sensory_commutativity.errors import TableError, UserError
-from sensory_commutativity.provenance import provenance
-from sensory_commutativity.tables import TABLES, read_table, schema, write_table, written_whole
+from sensory_commutativity.storage import provenance as provenance_module
+from sensory_commutativity.storage.provenance import provenance
+from sensory_commutativity.storage.tables import (
+    TABLES,
+    read_table,
+    schema,
+    write_table,
+    written_whole,
+)
 
-EXAMPLES = {pa.string(): ["a", "b"], pa.int64(): [1, 2], pa.float64(): [0.5, 0.25], pa.bool_(): [True, False]}
+EXAMPLES = {
+    pa.string(): ["a", "b"],
+    pa.int64(): [1, 2],
+    pa.float64(): [0.5, 0.25],
+    pa.bool_(): [True, False],
+}
 SCP = "flatland_scp"
 
 
@@ -52,7 +63,9 @@ def test_every_column_has_a_unit_or_is_text_and_is_described(name):
         assert len(field.metadata[b"description"]) > 2
         if field.type in (pa.int64(), pa.float64()):
             assert field.metadata[b"unit"]
-            assert not field.name.startswith("ci_") or field.nullable  # not every value has an interval
+            assert (
+                not field.name.startswith("ci_") or field.nullable
+            )  # not every value has an interval
         if field.type != pa.float64():
             assert not field.nullable
 
@@ -85,14 +98,24 @@ def test_columns_come_in_the_schema_s_order_and_the_index_is_left_out(tmp_path, 
 def test_the_file_itself_holds_units_and_where_it_comes_from(tmp_path, tiny_config):
     write_table(SCP, example(SCP), tmp_path / "t.parquet", tiny_config)
     found = pq.read_schema(tmp_path / "t.parquet")
-    assert found.field("length").metadata == {b"unit": b"actions", b"description": b"length of the sequences"}
+    assert found.field("length").metadata == {
+        b"unit": b"actions",
+        b"description": b"length of the sequences",
+    }
     metadata = {key.decode(): value.decode() for key, value in found.metadata.items()}
     assert metadata["table"] == SCP
     assert metadata["config_sha256"] == tiny_config.digest()
     assert metadata["root_seed"] == str(tiny_config.seed)
     assert metadata["profile"] == tiny_config.profile
     assert set(metadata) >= {"git_commit", "python", "platform", "packages"}
-    assert set(json.loads(metadata["packages"])) >= {"numpy", "pymunk", "numba", "scipy", "torch", "sensory-commutativity"}
+    assert set(json.loads(metadata["packages"])) >= {
+        "numpy",
+        "pymunk",
+        "numba",
+        "scipy",
+        "torch",
+        "sensory-commutativity",
+    }
 
 
 def test_writing_twice_gives_the_same_bytes(tmp_path, tiny_config):
@@ -105,14 +128,21 @@ def test_writing_twice_gives_the_same_bytes(tmp_path, tiny_config):
 
 def test_an_interval_may_be_missing_and_an_scp_not(tmp_path, tiny_config):
     frame = example(SCP)
-    write_table(SCP, frame.assign(ci_low=[np.nan, 0.5], ci_high=[None, 0.5]), tmp_path / "t.parquet", tiny_config)
+    write_table(
+        SCP,
+        frame.assign(ci_low=[np.nan, 0.5], ci_high=[None, 0.5]),
+        tmp_path / "t.parquet",
+        tiny_config,
+    )
     assert read_table(SCP, tmp_path / "t.parquet")["ci_low"].isna().tolist() == [True, False]
     with pytest.raises(ValueError, match="scp"):
         write_table(SCP, frame.assign(scp=[np.nan, 0.5]), tmp_path / "u.parquet", tiny_config)
     assert os.listdir(tmp_path) == ["t.parquet"]
 
 
-@pytest.mark.parametrize("bad", [{"n": ["many", "few"]}, {"n": [1.5, 2.5]}, {"dof": [1, 2]}], ids=str)
+@pytest.mark.parametrize(
+    "bad", [{"n": ["many", "few"]}, {"n": [1.5, 2.5]}, {"dof": [1, 2]}], ids=str
+)
 def test_wrong_types_are_not_written(bad, tmp_path, tiny_config):
     with pytest.raises((pa.ArrowException, ValueError, TypeError)):
         write_table(SCP, example(SCP).assign(**bad), tmp_path / "t.parquet", tiny_config)
@@ -228,7 +258,9 @@ def test_what_a_killed_writer_left_is_cleared_away(tmp_path):
     with written_whole(path) as temporary:
         temporary.write_text("whole")
     assert path.read_text() == "whole"
-    assert len(os.listdir(tmp_path)) == 2  # and what another file's writer left is none of its business
+    assert (
+        len(os.listdir(tmp_path)) == 2
+    )  # and what another file's writer left is none of its business
 
 
 @pytest.mark.parametrize(("umask", "mode"), [(0o022, 0o644), (0o077, 0o600), (0o002, 0o664)])

@@ -12,18 +12,23 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from sensory_commutativity.test_runs import scp
 
-from sensory_commutativity.checkpoints import save_state
 from sensory_commutativity.cli import main
 from sensory_commutativity.errors import UserError
-from sensory_commutativity.figures.style import Film, save
-from sensory_commutativity.masks.store import write_arrays
-from sensory_commutativity.provenance import provenance
-from sensory_commutativity.runs.checksums import MANIFEST, files_of, read_manifest, sha256, write_manifest
+from sensory_commutativity.runs.checksums import (
+    MANIFEST,
+    files_of,
+    read_manifest,
+    sha256,
+    write_manifest,
+)
 from sensory_commutativity.runs.verify import verify_run
-from sensory_commutativity.tables import write_table
-
-from .test_runs import scp
+from sensory_commutativity.storage.arrays import write_arrays
+from sensory_commutativity.storage.checkpoints import save_state
+from sensory_commutativity.storage.provenance import provenance
+from sensory_commutativity.storage.tables import write_table
+from sensory_commutativity.studies.plotting import Film, save
 
 FILES = (
     "data/flatland_experiments/furnished.1-of-2.parquet",
@@ -45,7 +50,9 @@ def made(tmp_path_factory, default_config) -> Path:
     for folder in {Path(name).parent for name in FILES}:
         (run / folder).mkdir(parents=True, exist_ok=True)
     about = provenance(default_config)
-    write_table("flatland_scp", scp([0.5, 0.25]), run / FILES[0], default_config)  # a part has another name than its table
+    write_table(
+        "flatland_scp", scp([0.5, 0.25]), run / FILES[0], default_config
+    )  # a part has another name than its table
     write_arrays(run / FILES[1], "pairs", {"a": np.arange(300.0)}, about)
     (run / FILES[2]).write_text('{"seconds": 1.5}\n')
     save_state(run / FILES[3], {"about": about, "weights": {}})
@@ -59,7 +66,14 @@ def made(tmp_path_factory, default_config) -> Path:
         axes.plot([1, 0])
         film.grab_frame()
     save(figure, run / FILES[8], default_config)
-    for name in ("logs/a.log", "benchmarks/a.tsv", "tables/.a.parquet", "data/.batches/a.parquet", "tables/notes.txt", "report.html"):
+    for name in (
+        "logs/a.log",
+        "benchmarks/a.tsv",
+        "tables/.a.parquet",
+        "data/.batches/a.parquet",
+        "tables/notes.txt",
+        "report.html",
+    ):
         (run / name).parent.mkdir(parents=True, exist_ok=True)
         (run / name).write_text("no result")
     for name in FILES:
@@ -106,7 +120,9 @@ def test_checksums_are_of_what_the_run_made_and_nothing_else(run):
 @pytest.mark.skipif(shutil.which("sha256sum") is None, reason="no sha256sum here")
 def test_sha256sum_agrees(run):
     def check() -> int:
-        return subprocess.run(["sha256sum", "--check", "--strict", "--quiet", MANIFEST], cwd=run, capture_output=True).returncode
+        return subprocess.run(
+            ["sha256sum", "--check", "--strict", "--quiet", MANIFEST], cwd=run, capture_output=True
+        ).returncode
 
     assert check() == 0
     spoil(run / FILES[0], b"x")
@@ -143,9 +159,15 @@ def test_a_folder_without_results_gets_no_checksums(tmp_path):
 
 
 def test_a_run_as_it_was_made_is_right(run):
-    assert said("verify", run) == (0, f"0 bad files; {len(FILES)} as their checksums say, 0 without one can be read\n")
+    assert said("verify", run) == (
+        0,
+        f"0 bad files; {len(FILES)} as their checksums say, 0 without one can be read\n",
+    )
     (run / MANIFEST).unlink()
-    assert said("verify", run) == (0, f"0 bad files; 0 as their checksums say, {len(FILES)} without one can be read\n")
+    assert said("verify", run) == (
+        0,
+        f"0 bad files; 0 as their checksums say, {len(FILES)} without one can be read\n",
+    )
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -164,7 +186,9 @@ def test_with_checksums_every_flipped_bit_is_found(run, name):
 def test_with_checksums_every_cut_is_found(run, name, kept):
     spoil(run / name, cut((run / name).read_bytes(), kept))
     code, text = said("verify", run)
-    assert code == 1 and text.splitlines()[0] == f"{run / name}: damaged: not what the checksums say"
+    assert (
+        code == 1 and text.splitlines()[0] == f"{run / name}: damaged: not what the checksums say"
+    )
     assert "--remove" in text
 
 
@@ -218,7 +242,10 @@ def test_a_published_run_needs_no_raw_data(run):
     shutil.rmtree(run / "models/navigation")
     code, text = said("verify", run)
     assert code == 0
-    assert text.splitlines()[:2] == [f"{run / 'data'}: raw data not here (3 files)", f"{run / 'models/navigation'}: models not here (1 files)"]
+    assert text.splitlines()[:2] == [
+        f"{run / 'data'}: raw data not here (3 files)",
+        f"{run / 'models/navigation'}: models not here (1 files)",
+    ]
     spoil(run / "figures/a.pdf", b"x")
     assert "take the bad files anew" in said("verify", run)[1]
     result = CliRunner().invoke(main, ["verify", str(run), "--remove"])
@@ -230,13 +257,24 @@ def test_damaged_checksums_are_named_and_reach_no_file_outside_the_run(run, tmp_
     outside = tmp_path / "outside.png"
     outside.write_bytes(b"mine")
     lines = (run / MANIFEST).read_text().splitlines()
-    (run / MANIFEST).write_text("\n".join([*lines[:-1], f"{'0' * 64}  ../outside.png", f"{'0' * 64}  {outside}", lines[-1][:40]]) + "\n")
+    (run / MANIFEST).write_text(
+        "\n".join(
+            [*lines[:-1], f"{'0' * 64}  ../outside.png", f"{'0' * 64}  {outside}", lines[-1][:40]]
+        )
+        + "\n"
+    )
     n = len(lines)
-    assert [(one.path, one.why[:7].strip()) for one in verify_run(run).bad] == [(MANIFEST, f"line {k}") for k in (n, n + 1, n + 2)]
+    assert [(one.path, one.why[:7].strip()) for one in verify_run(run).bad] == [
+        (MANIFEST, f"line {k}") for k in (n, n + 1, n + 2)
+    ]
     said("verify", run, "--remove")
     assert outside.exists() and files_of(run) == sorted(FILES) and not (run / MANIFEST).exists()
 
 
 def test_a_folder_that_is_no_run_is_told(tmp_path):
     result = CliRunner().invoke(main, ["verify", str(tmp_path)])
-    assert isinstance(result.exception, UserError) and "no run" in str(result.exception) and "results/default" in str(result.exception)
+    assert (
+        isinstance(result.exception, UserError)
+        and "no run" in str(result.exception)
+        and "results/default" in str(result.exception)
+    )

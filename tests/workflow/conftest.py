@@ -9,9 +9,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-
-from .running import ENVIRONMENT, begin, command, copy_workflow, snakemake, snakemake_on, wait_until
-from .slurm import Slurm, SlurmError, why_not
+from sensory_commutativity.running import (
+    ENVIRONMENT,
+    begin,
+    command,
+    copy_workflow,
+    snakemake,
+    snakemake_on,
+    wait_until,
+)
+from sensory_commutativity.slurm import Slurm, SlurmError, why_not
 
 
 @pytest.fixture(scope="session")
@@ -22,7 +29,11 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
     def done() -> dict[Path, int]:
         """Tables below ``data``, and when they were written; not the hidden ones, batches of a job under way."""
-        found = (p for p in data.rglob("*.parquet") if not any(part.startswith(".") for part in p.relative_to(data).parts))
+        found = (
+            p
+            for p in data.rglob("*.parquet")
+            if not any(part.startswith(".") for part in p.relative_to(data).parts)
+        )
         return {p: p.stat().st_mtime_ns for p in found}
 
     process = begin(command("--cores", "1"), folder, ENVIRONMENT)
@@ -72,7 +83,9 @@ class Undisturbed(NamedTuple):
 
 
 @pytest.fixture(scope="session")
-def undisturbed(slurm_or_why_not: Slurm | str, tmp_path_factory: pytest.TempPathFactory) -> Undisturbed:
+def undisturbed(
+    slurm_or_why_not: Slurm | str, tmp_path_factory: pytest.TempPathFactory
+) -> Undisturbed:
     """The whole workflow on the test profile, on Slurm where there is one."""
     folder = copy_workflow(tmp_path_factory.mktemp("undisturbed"))
     if isinstance(slurm_or_why_not, str):
@@ -82,4 +95,6 @@ def undisturbed(slurm_or_why_not: Slurm | str, tmp_path_factory: pytest.TempPath
     before = {job for job, *_ in slurm_or_why_not.jobs("COMPLETED")}
     run = snakemake_on(slurm_or_why_not, folder)
     assert run.returncode == 0, run.stderr
-    return Undisturbed(folder, {node for job, node, _ in slurm_or_why_not.jobs("COMPLETED") if job not in before})
+    return Undisturbed(
+        folder, {node for job, node, _ in slurm_or_why_not.jobs("COMPLETED") if job not in before}
+    )

@@ -11,10 +11,13 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from .slurm import Slurm
+from sensory_commutativity.slurm import Slurm
 
 ROOT = Path(__file__).resolve().parents[2]
-ENVIRONMENT = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+ENVIRONMENT = {
+    **os.environ,
+    "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+}
 
 
 def copy_workflow(folder: Path) -> Path:
@@ -28,7 +31,14 @@ def copy_workflow(folder: Path) -> Path:
 
 def command(*arguments: str, profile: str = "config/test.yaml") -> list[str]:
     """Snakemake on a profile."""
-    return [str(Path(sys.executable).parent / "snakemake"), "--configfile", profile, "--quiet", "all", *arguments]
+    return [
+        str(Path(sys.executable).parent / "snakemake"),
+        "--configfile",
+        profile,
+        "--quiet",
+        "all",
+        *arguments,
+    ]
 
 
 def slurm_command(*arguments: str, targets: Iterable[Path] = ()) -> list[str]:
@@ -40,15 +50,21 @@ def slurm_command(*arguments: str, targets: Iterable[Path] = ()) -> list[str]:
     ]  # fmt: skip
 
 
-def snakemake_on(slurm: Slurm, folder: Path, *arguments: str, targets: Iterable[Path] = ()) -> subprocess.CompletedProcess[str]:
+def snakemake_on(
+    slurm: Slurm, folder: Path, *arguments: str, targets: Iterable[Path] = ()
+) -> subprocess.CompletedProcess[str]:
     arguments = slurm_command(*arguments, targets=targets)
-    return subprocess.run(arguments, cwd=folder, env=slurm.environment, capture_output=True, text=True, timeout=1800)
+    return subprocess.run(
+        arguments, cwd=folder, env=slurm.environment, capture_output=True, text=True, timeout=1800
+    )
 
 
 def begin(arguments: list[str], folder: Path, environment: dict[str, str]) -> subprocess.Popen:
     """Begin a program in a session of its own; what it says goes to ``said.log``."""
     with (folder / "said.log").open("wb") as said:
-        return subprocess.Popen(arguments, cwd=folder, env=environment, stdout=said, stderr=said, start_new_session=True)
+        return subprocess.Popen(
+            arguments, cwd=folder, env=environment, stdout=said, stderr=said, start_new_session=True
+        )
 
 
 def wait_until(happened: Callable[[], bool], process: subprocess.Popen, what: str) -> None:
@@ -59,13 +75,27 @@ def wait_until(happened: Callable[[], bool], process: subprocess.Popen, what: st
         time.sleep(0.1)
 
 
-def snakemake(folder: Path, *arguments: str, profile: str = "config/test.yaml") -> subprocess.CompletedProcess[str]:
-    return subprocess.run(command(*arguments, profile=profile), cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=1800)
+def snakemake(
+    folder: Path, *arguments: str, profile: str = "config/test.yaml"
+) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command(*arguments, profile=profile),
+        cwd=folder,
+        env=ENVIRONMENT,
+        capture_output=True,
+        text=True,
+        timeout=1800,
+    )
 
 
 def digests(folder: Path, files: Iterable[Path]) -> dict[Path, str | None]:
     """SHA-256 of each of `files`, relative to `folder`; None for one that is not there."""
-    return {file: hashlib.sha256((folder / file).read_bytes()).hexdigest() if (folder / file).exists() else None for file in files}
+    return {
+        file: hashlib.sha256((folder / file).read_bytes()).hexdigest()
+        if (folder / file).exists()
+        else None
+        for file in files
+    }
 
 
 def in_its_place(folder: Path, rule_file: str, command: str, script: str) -> None:
@@ -73,9 +103,16 @@ def in_its_place(folder: Path, rule_file: str, command: str, script: str) -> Non
     rules = folder / "workflow" / "rules" / rule_file
     text = rules.read_text()
     assert f'"sensory-commutativity {command} ' in text
-    rules.write_text(text.replace(f'"sensory-commutativity {command} ', f'"sh faulty.sh sensory-commutativity {command} '))
+    rules.write_text(
+        text.replace(
+            f'"sensory-commutativity {command} ', f'"sh faulty.sh sensory-commutativity {command} '
+        )
+    )
     (folder / "faulty.sh").write_text(script)
 
 
 def hashes(tables: Path) -> dict[str, str]:
-    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(tables.glob("*.parquet"))}
+    return {
+        path.name: hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(tables.glob("*.parquet"))
+    }

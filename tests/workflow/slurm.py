@@ -86,8 +86,19 @@ class Slurm:
     @property
     def environment(self) -> dict[str, str]:
         """Environment in which this Slurm's commands, and no other's, are found, and those of the Python that runs this."""
-        path = os.pathsep.join([str(self.folder / "bin"), str(Path(sys.executable).parent), os.environ["PATH"], "/usr/sbin"])
-        kept = {key: value for key, value in os.environ.items() if not key.startswith(("SLURM", "SBATCH"))}
+        path = os.pathsep.join(
+            [
+                str(self.folder / "bin"),
+                str(Path(sys.executable).parent),
+                os.environ["PATH"],
+                "/usr/sbin",
+            ]
+        )
+        kept = {
+            key: value
+            for key, value in os.environ.items()
+            if not key.startswith(("SLURM", "SBATCH"))
+        }
         return {**kept, "SLURM_CONF": str(self.conf), "PATH": path}
 
     def start(self) -> None:
@@ -100,7 +111,14 @@ class Slurm:
         port, host = _free_ports(len(NODES) + 1), socket.gethostname()
         self.conf.write_text(
             CONFIGURATION.format(
-                host=host, port=port, folder=self.folder, names=",".join(NODES), first=port + 1, last=port + len(NODES), cpus=CPUS, memory=MEMORY
+                host=host,
+                port=port,
+                folder=self.folder,
+                names=",".join(NODES),
+                first=port + 1,
+                last=port + len(NODES),
+                cpus=CPUS,
+                memory=MEMORY,
             )
         )
         # the workflow's job step forgets SLURM_CONF before it calls srun (snakemake-executor-plugin-slurm-jobstep 0.6)
@@ -111,7 +129,9 @@ class Slurm:
         key = self.folder / "munge.key"
         key.write_bytes(secrets.token_bytes(128))
         key.chmod(0o600)
-        self.folder.chmod(0o755)  # munged refuses to put its socket where not everybody can reach it
+        self.folder.chmod(
+            0o755
+        )  # munged refuses to put its socket where not everybody can reach it
         f = self.folder
         self._begin(
             "munged", "--force", f"--key-file={key}", f"--socket={f}/munge.socket", f"--pid-file={f}/munged.pid",
@@ -131,16 +151,28 @@ class Slurm:
         """Return when all `nodes` are in that state. Raises SlurmError after some time."""
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
-            said = subprocess.run(["sinfo", "-h", "-N", "-o", "%N %T"], env=self.environment, capture_output=True, text=True).stdout
+            said = subprocess.run(
+                ["sinfo", "-h", "-N", "-o", "%N %T"],
+                env=self.environment,
+                capture_output=True,
+                text=True,
+            ).stdout
             states = dict(line.split() for line in said.splitlines())
             if all(states.get(node, "").startswith(state) for node in nodes):
                 return
             time.sleep(0.5)
-        raise SlurmError(f"nodes are {states or 'silent'} after {PATIENCE} s, not {state}; see the logs in {self.folder}")
+        raise SlurmError(
+            f"nodes are {states or 'silent'} after {PATIENCE} s, not {state}; see the logs in {self.folder}"
+        )
 
     def jobs(self, states: str = "RUNNING") -> list[tuple[str, str, str]]:
         """Id, node and comment (which names the rule) of all jobs in these states."""
-        said = subprocess.run(["squeue", "-h", "-t", states, "-o", "%A|%N|%k"], env=self.environment, capture_output=True, text=True).stdout
+        said = subprocess.run(
+            ["squeue", "-h", "-t", states, "-o", "%A|%N|%k"],
+            env=self.environment,
+            capture_output=True,
+            text=True,
+        ).stdout
         return [tuple(line.split("|", 2)) for line in said.splitlines()]
 
     def lose(self, node: str) -> None:
@@ -148,9 +180,16 @@ class Slurm:
         pid = self.folder / f"slurmd.{node}.pid"
         doomed = _tree(int(pid.read_text()))
         pid.unlink()
-        steps = [pid for pid in _processes() if f"SLURMD_NODENAME={node}" in _environ(pid) and f"SLURM_CONF={self.conf}" in _environ(pid)]
+        steps = [
+            pid
+            for pid in _processes()
+            if f"SLURMD_NODENAME={node}" in _environ(pid)
+            and f"SLURM_CONF={self.conf}" in _environ(pid)
+        ]
         for step in steps:
-            doomed |= _tree(_parent(step)) if "slurmstepd" in _command(_parent(step)) else _tree(step)
+            doomed |= (
+                _tree(_parent(step)) if "slurmstepd" in _command(_parent(step)) else _tree(step)
+            )
         for pid in doomed - {os.getpid()}:
             _kill(pid)
 
@@ -158,8 +197,12 @@ class Slurm:
         """Stop all daemons; jobs die with them."""
         if not self.conf.exists():
             return
-        subprocess.run(["scancel", "--state=RUNNING"], env=self.environment, capture_output=True, timeout=30)
-        subprocess.run(["scontrol", "shutdown"], env=self.environment, capture_output=True, timeout=30)
+        subprocess.run(
+            ["scancel", "--state=RUNNING"], env=self.environment, capture_output=True, timeout=30
+        )
+        subprocess.run(
+            ["scontrol", "shutdown"], env=self.environment, capture_output=True, timeout=30
+        )
         time.sleep(2)
         for name in ("slurmctld", *(f"slurmd.{node}" for node in NODES), "munged"):
             pid = self.folder / f"{name}.pid"
@@ -171,12 +214,26 @@ class Slurm:
         if self.attached:
             log = (self.folder / f"{command[0]}.said").open("ab")
             subprocess.Popen(
-                [*command, foreground], env=self.environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log, preexec_fn=_die_with_parent
+                [*command, foreground],
+                env=self.environment,
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
+                preexec_fn=_die_with_parent,
             )
             return
-        run = subprocess.run(command, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE)
+        run = subprocess.run(
+            command,
+            env=self.environment,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+        )
         if run.returncode:
-            raise SlurmError(f"{command[0]} does not start: {run.stderr.strip()}; see the logs in {self.folder}")
+            raise SlurmError(
+                f"{command[0]} does not start: {run.stderr.strip()}; see the logs in {self.folder}"
+            )
 
 
 def _die_with_parent() -> None:
@@ -202,7 +259,11 @@ def why_not() -> str | None:
 
 
 def _missing() -> list[str]:
-    return [program for program in PROGRAMS if shutil.which(program, path=f"{os.environ['PATH']}:/usr/sbin:/sbin") is None]
+    return [
+        program
+        for program in PROGRAMS
+        if shutil.which(program, path=f"{os.environ['PATH']}:/usr/sbin:/sbin") is None
+    ]
 
 
 def _install() -> None:
@@ -215,7 +276,9 @@ def _install() -> None:
         subprocess.run(["apt-get", "update"], env=environment, capture_output=True)
         run = subprocess.run(install, env=environment, capture_output=True, text=True)
     if run.returncode:
-        raise SlurmError(f"cannot install {', '.join(PACKAGES)}: {run.stderr.strip().splitlines()[-1:]}")
+        raise SlurmError(
+            f"cannot install {', '.join(PACKAGES)}: {run.stderr.strip().splitlines()[-1:]}"
+        )
 
 
 def _free_ports(n: int) -> int:
@@ -274,7 +337,9 @@ def _kill(pid: int, how: int = signal.SIGKILL) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("command", choices=["start", "stop"])
     parser.add_argument("folder", type=Path)
     given = parser.parse_args()

@@ -11,8 +11,17 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
-
-from .running import ENVIRONMENT, begin, command, copy_workflow, digests, hashes, in_its_place, snakemake, wait_until
+from sensory_commutativity.running import (
+    ENVIRONMENT,
+    begin,
+    command,
+    copy_workflow,
+    digests,
+    hashes,
+    in_its_place,
+    snakemake,
+    wait_until,
+)
 
 RESULTS = Path("results", "test")
 PART = RESULTS / "data" / "flatland_commutation" / "furnished.1-of-2.parquet"
@@ -44,18 +53,30 @@ def expect_equal(finished: Path, folder: Path, files: Iterable[Path]) -> None:
 def test_workers_killed_while_they_write_files_of_each_kind(finished: Path, tmp_path: Path) -> None:
     folder, kinds = copy_workflow(tmp_path / "killed"), tmp_path / "kinds"
     kinds.mkdir()
-    path = os.pathsep.join(filter(None, [str(Path(__file__).parent / "killing"), os.environ.get("PYTHONPATH")]))
+    path = os.pathsep.join(
+        filter(None, [str(Path(__file__).parent / "killing"), os.environ.get("PYTHONPATH")])
+    )
     environment = {**ENVIRONMENT, "PYTHONPATH": path, "KILLED": str(kinds)}
     runs = 0
     while any(not (folder / file).exists() for file in OF_EACH_KIND):
         run = subprocess.run(
-            command("--cores", "2", "--keep-going", *map(str, OF_EACH_KIND)), cwd=folder, env=environment, capture_output=True, text=True, timeout=600
+            command("--cores", "2", "--keep-going", *map(str, OF_EACH_KIND)),
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=600,
         )
         runs += 1
         assert runs <= 1 + len(OF_EACH_KIND), run.stderr
         whole = [file for file in OF_EACH_KIND if (folder / file).exists()]
         assert digests(folder, whole) == digests(finished, whole)
-    assert runs > 1 and {kind.name for kind in kinds.iterdir()} >= {".parquet", ".h5", ".predictor", ".png"}
+    assert runs > 1 and {kind.name for kind in kinds.iterdir()} >= {
+        ".parquet",
+        ".h5",
+        ".predictor",
+        ".png",
+    }
     expect_equal(finished, folder, OF_EACH_KIND)
 
 
@@ -71,10 +92,19 @@ def damage(path: Path, how: str) -> None:
 
 def verify(folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
     program = Path(sys.executable).parent / "sensory-commutativity"
-    return subprocess.run([program, "verify", RESULTS, *options], cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=300)
+    return subprocess.run(
+        [program, "verify", RESULTS, *options],
+        cwd=folder,
+        env=ENVIRONMENT,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
 
 
-def test_finished_files_that_were_damaged_are_named_and_made_anew(finished: Path, tmp_path: Path) -> None:
+def test_finished_files_that_were_damaged_are_named_and_made_anew(
+    finished: Path, tmp_path: Path
+) -> None:
     folder = shutil.copytree(finished, tmp_path / "damaged")
     assert verify(folder).returncode == 0
     before = hashes(folder / RESULTS / "tables")
@@ -82,7 +112,11 @@ def test_finished_files_that_were_damaged_are_named_and_made_anew(finished: Path
         damage(folder / file, how)
     found = verify(folder)
     assert found.returncode == 1
-    assert {Path(line.split(":")[0]) for line in found.stdout.splitlines() if ": damaged: " in line or ": changed: " in line} == set(DAMAGED)
+    assert {
+        Path(line.split(":")[0])
+        for line in found.stdout.splitlines()
+        if ": damaged: " in line or ": changed: " in line
+    } == set(DAMAGED)
     verify(folder, "--remove")
     run = snakemake(folder, "--cores", "2")
     assert run.returncode == 0, run.stderr
@@ -91,12 +125,18 @@ def test_finished_files_that_were_damaged_are_named_and_made_anew(finished: Path
     assert verify(folder).returncode == 0
 
 
-@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="a small disk is mounted, which needs root")
+@pytest.mark.skipif(
+    os.name != "posix" or os.geteuid() != 0, reason="a small disk is mounted, which needs root"
+)
 def test_a_full_disk(finished: Path, tmp_path: Path) -> None:
     folder = copy_workflow(tmp_path / "full")
     disk = folder / "results"
     disk.mkdir()
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)], capture_output=True, text=True)
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)],
+        capture_output=True,
+        text=True,
+    )
     if mounted.returncode:
         pytest.skip(f"no small disk can be mounted here: {mounted.stderr.strip()}")
     try:
@@ -120,14 +160,22 @@ def test_a_second_run_in_the_same_checkout_is_refused(finished: Path, tmp_path: 
     in_its_place(folder, "flatland.smk", "flatland-commutation-part", SLOWLY)
     first = begin(command("--cores", "1", str(PART)), folder, ENVIRONMENT)
     wait_until((folder / "begun").exists, first, "a job")
-    arguments = [argument for argument in command("--cores", "1", str(PART)) if argument not in ("--quiet", "all")]
-    second = subprocess.run(arguments, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=120)
+    arguments = [
+        argument
+        for argument in command("--cores", "1", str(PART))
+        if argument not in ("--quiet", "all")
+    ]
+    second = subprocess.run(
+        arguments, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=120
+    )
     assert second.returncode != 0 and "lock" in second.stderr.lower(), second.stderr
     assert first.wait(timeout=120) == 0
     expect_equal(finished, folder, [PART])
 
 
-def test_a_second_run_of_another_checkout_in_the_same_results_is_refused(finished: Path, tmp_path: Path) -> None:
+def test_a_second_run_of_another_checkout_in_the_same_results_is_refused(
+    finished: Path, tmp_path: Path
+) -> None:
     folders = [copy_workflow(tmp_path / name) for name in ("one", "another")]
     for folder in folders:
         in_its_place(folder, "flatland.smk", "flatland-commutation-part", SLOWLY)
@@ -151,7 +199,9 @@ def test_a_run_that_was_killed_holds_nothing(finished: Path, tmp_path: Path) -> 
     wait_until((folder / "begun").exists, first, "a job")
     os.killpg(first.pid, signal.SIGKILL)
     first.wait()
-    shutil.rmtree(folder / ".snakemake")  # with Snakemake's lock, which outlives it: as in another checkout
+    shutil.rmtree(
+        folder / ".snakemake"
+    )  # with Snakemake's lock, which outlives it: as in another checkout
     run = snakemake(folder, "--cores", "1", str(PART))
     assert run.returncode == 0, run.stderr
     expect_equal(finished, folder, [PART])

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-
-from .running import ENVIRONMENT, command, copy_workflow
+from sensory_commutativity.running import ENVIRONMENT, command, copy_workflow
 
 HOSTILE = 'it\'s "mine"; touch pwned $(touch pwned) `touch pwned` & touch pwned | $HOME \\ #'
 """A folder's name that a careless workflow would execute."""
@@ -20,7 +19,9 @@ def laid_over(folder: Path, layer: dict, *arguments: str) -> subprocess.Complete
     """Snakemake on the test profile with another layer."""
     (folder / "layer.yaml").write_text(yaml.safe_dump(layer))
     line = [*command()[:3], "layer.yaml", *arguments]
-    return subprocess.run(line, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=1200)
+    return subprocess.run(
+        line, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=1200
+    )
 
 
 def unquoted(line: str) -> str:
@@ -52,7 +53,9 @@ def test_every_command_quotes(folder):
     run = laid_over(folder, {"results": HOSTILE}, "--printshellcmds", "--dry-run")
     assert run.returncode == 0, run.stderr
     lines = [
-        line.removeprefix("Shell command: ") for line in run.stdout.splitlines() if line.startswith("Shell command: ") and not line.endswith(": None")
+        line.removeprefix("Shell command: ")
+        for line in run.stdout.splitlines()
+        if line.startswith("Shell command: ") and not line.endswith(": None")
     ]
     assert len(lines) > 100
     for line in lines:
@@ -69,8 +72,14 @@ def test_every_command_quotes(folder):
         ({"profile": "$(touch pwned)"}, "profile"),
         ({"results": "a/../../b; touch pwned"}, "results"),
         ({"results": "{touch} pwned"}, "results"),
-        ({"apartment": {"robots": {"fetch": {"description": "`touch pwned`\n; touch pwned"}}}}, "touch pwned"),
-        ({"apartment": {"scenes": {"rs-stand-in": {"file": "{touch pwned} $(touch pwned)"}}}}, "touch pwned"),
+        (
+            {"apartment": {"robots": {"fetch": {"description": "`touch pwned`\n; touch pwned"}}}},
+            "touch pwned",
+        ),
+        (
+            {"apartment": {"scenes": {"rs-stand-in": {"file": "{touch pwned} $(touch pwned)"}}}},
+            "touch pwned",
+        ),
         ({"apartment": {"weights": "'; touch pwned; '"}}, "apartment.weights"),
         ({"masks": {"map": {"cramped": "$(touch pwned)"}}}, "masks.map.cramped"),
     ],
@@ -86,7 +95,9 @@ def test_what_cannot_be_is_refused_before_any_job(folder, layer, names):
 def test_a_key_that_is_there_twice_is_refused_by_the_workflow_too(folder):
     (folder / "twice.yaml").write_text("seed: 1\nseed: 2\n")
     line = [*command()[:3], "twice.yaml", "--dry-run"]
-    run = subprocess.run(line, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=300)
+    run = subprocess.run(
+        line, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=300
+    )
     assert run.returncode == 2, run.stderr
     assert "error: " in run.stderr and "the key 'seed' is there already in line 1" in run.stderr
 
@@ -97,10 +108,20 @@ def test_files_with_strange_names_and_results_in_a_strange_folder_work(folder):
     strange.mkdir()
     for name in ("jackrabbot.yaml", "jackrabbot.urdf"):
         (strange / name).write_bytes((folder / "config" / "robots" / name).read_bytes())
-    layer = {"results": HOSTILE, "apartment": {"robots": {"jackrabbot": {"description": f"{strange.name}/jackrabbot.yaml"}}}}
+    layer = {
+        "results": HOSTILE,
+        "apartment": {"robots": {"jackrabbot": {"description": f"{strange.name}/jackrabbot.yaml"}}},
+    }
     made = f"{HOSTILE}/test/data/flatland_experiments/free-space.polyphemus.50.1-of-1.parquet"
-    run = laid_over(folder, layer, "--cores", "1", "--until", "flatland_experiments_part", "--", made)
+    run = laid_over(
+        folder, layer, "--cores", "1", "--until", "flatland_experiments_part", "--", made
+    )
     assert run.returncode == 0, run.stderr
     assert (folder / made).is_file() and (folder / HOSTILE / "test" / "config.yaml").is_file()
-    results = {path for path in folder.iterdir() if path.name not in ("Snakefile", "workflow", "config", ".snakemake", "layer.yaml", "twice.yaml")}
+    results = {
+        path
+        for path in folder.iterdir()
+        if path.name
+        not in ("Snakefile", "workflow", "config", ".snakemake", "layer.yaml", "twice.yaml")
+    }
     assert results == {folder / HOSTILE, strange}

@@ -9,15 +9,27 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-
-from .conftest import Undisturbed
-from .running import begin, copy_workflow, digests, hashes, in_its_place, slurm_command, snakemake_on, wait_until
-from .slurm import Slurm
+from sensory_commutativity.conftest import Undisturbed
+from sensory_commutativity.running import (
+    begin,
+    copy_workflow,
+    digests,
+    hashes,
+    in_its_place,
+    slurm_command,
+    snakemake_on,
+    wait_until,
+)
+from sensory_commutativity.slurm import Slurm
 
 RESULTS = Path("results", "test")
 TABLE = RESULTS / "tables" / "flatland_commutation.parquet"
 """Made from four parts, each a job of its own."""
-PARTS = [RESULTS / "data" / "flatland_commutation" / f"{world}.{i}-of-2.parquet" for world in ("furnished", "settled") for i in (1, 2)]
+PARTS = [
+    RESULTS / "data" / "flatland_commutation" / f"{world}.{i}-of-2.parquet"
+    for world in ("furnished", "settled")
+    for i in (1, 2)
+]
 OVER_LIMITS = """
 if mkdir over-memory 2> /dev/null; then python3 -c 'import time; x = b"x" * (2 << 30); time.sleep(60)'
 elif mkdir over-time 2> /dev/null; then sleep 300
@@ -43,11 +55,15 @@ def begin_slowly(slurm: Slurm, folder: Path) -> subprocess.Popen:
 
 
 @pytest.fixture(scope="module")
-def over_limits(slurm: Slurm, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, subprocess.Popen]]:
+def over_limits(
+    slurm: Slurm, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[Path, subprocess.Popen]]:
     """A run whose jobs take too much at first, and its folder."""
     folder = copy_workflow(tmp_path_factory.mktemp("limits") / "limits")
     in_its_place(folder, "flatland.smk", "flatland-commutation-part", OVER_LIMITS)
-    arguments = slurm_command("--set-resources", "flatland_commutation_part:runtime=1*attempt", targets=[TABLE])
+    arguments = slurm_command(
+        "--set-resources", "flatland_commutation_part:runtime=1*attempt", targets=[TABLE]
+    )
     process = begin(arguments, folder, slurm.environment)
     yield folder, process
     process.kill()
@@ -58,12 +74,16 @@ def test_the_whole_workflow_runs_on_both_nodes(slurm: Slurm, undisturbed: Undist
     assert undisturbed.nodes == {"n1", "n2"}
 
 
-def test_every_table_is_that_of_the_run_that_was_killed_here_and_resumed(finished: Path, undisturbed: Undisturbed) -> None:
+def test_every_table_is_that_of_the_run_that_was_killed_here_and_resumed(
+    finished: Path, undisturbed: Undisturbed
+) -> None:
     expected = hashes(undisturbed.folder / RESULTS / "tables")
     assert expected and hashes(finished / RESULTS / "tables") == expected
 
 
-def test_jobs_over_their_memory_and_their_time_are_given_more(slurm: Slurm, finished: Path, over_limits: tuple[Path, subprocess.Popen]) -> None:
+def test_jobs_over_their_memory_and_their_time_are_given_more(
+    slurm: Slurm, finished: Path, over_limits: tuple[Path, subprocess.Popen]
+) -> None:
     folder, process = over_limits
     code, said = process.wait(timeout=900), (folder / "said.log").read_text()
     assert code == 0, said

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_variable, "1")  # jobs run side by side, one thread each; set before numpy is imported
+    os.environ.setdefault(
+        _variable, "1"
+    )  # jobs run side by side, one thread each; set before numpy is imported
 
 import sys
 
@@ -73,10 +75,16 @@ def run() -> None:
     except click.exceptions.Exit as leave:
         sys.exit(leave.exit_code)
     except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.ctx.get_help() if error.ctx else main.get_help(click.Context(main)), err=True)
+        click.echo(
+            error.ctx.get_help() if error.ctx else main.get_help(click.Context(main)), err=True
+        )
         sys.exit(2)
     except click.ClickException as error:
-        where = f" ({error.ctx.command_path} --help)" if isinstance(error, click.UsageError) and error.ctx else ""
+        where = (
+            f" ({error.ctx.command_path} --help)"
+            if isinstance(error, click.UsageError) and error.ctx
+            else ""
+        )
         _fail(error.format_message() + where)
     except click.Abort:
         sys.exit(130)

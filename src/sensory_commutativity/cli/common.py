@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from ..config import Config, load
+from ..studies.config import Config
+from ..studies.loading import load
 
 
 class _Config(click.ParamType):
@@ -36,11 +37,21 @@ class Part(click.ParamType):
 def check_parts(part: tuple[int, int], n: int) -> None:
     """Refuse a part of other than the `n` parts that the configuration cuts the work into."""
     if part[1] != n:
-        raise click.BadParameter(f"the configuration cuts this work into {n} parts, not {part[1]}; give I/{n}", param_hint="--part")
+        raise click.BadParameter(
+            f"the configuration cuts this work into {n} parts, not {part[1]}; give I/{n}",
+            param_hint="--part",
+        )
 
 
-with_config = click.option("--config", type=_Config(), required=True, help="Configuration, e.g. results/default/config.yaml.")
-with_out = click.option("--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="File to write.")
+with_config = click.option(
+    "--config",
+    type=_Config(),
+    required=True,
+    help="Configuration, e.g. results/default/config.yaml.",
+)
+with_out = click.option(
+    "--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="File to write."
+)
 with_parts = click.argument("parts", nargs=-1, required=True, type=click.Path(path_type=Path))
 
 

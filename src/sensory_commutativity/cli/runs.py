@@ -36,7 +36,11 @@ def provenance(file: Path, as_json: bool) -> None:
 
 
 def _lines(key: str, value: str) -> list[str]:
-    return [f"{name} {version}" for name, version in json.loads(value).items()] if key == "packages" else [value]
+    return (
+        [f"{name} {version}" for name, version in json.loads(value).items()]
+        if key == "packages"
+        else [value]
+    )
 
 
 @click.command()
@@ -52,7 +56,11 @@ def compare(run_a: Path, run_b: Path) -> None:
 
     runs = (run_a, run_b)
     found = compare_runs(*runs)
-    readable = [table.table for table in found if table.verdict != "unreadable" and not table.verdict.startswith("only")]
+    readable = [
+        table.table
+        for table in found
+        if table.verdict != "unreadable" and not table.verdict.startswith("only")
+    ]
     if readable:
         origins = [origin_of(tables_of(run) / f"{readable[0]}.parquet") for run in runs]
         for key in ("profile", "config_sha256", "root_seed", "git_commit", "python", "platform"):
@@ -60,18 +68,31 @@ def compare(run_a: Path, run_b: Path) -> None:
             click.echo(f"{key:14} {a if a == b else f'{a}  |  {b}'}")
         click.echo("")
     for table in found:
-        beyond = f", {table.beyond:,} of {table.intervals:,} intervals apart" if table.intervals and table.verdict in ("within", "beyond") else ""
+        beyond = (
+            f", {table.beyond:,} of {table.intervals:,} intervals apart"
+            if table.intervals and table.verdict in ("within", "beyond")
+            else ""
+        )
         rows = f"; {table.differing:,} of {table.rows:,} rows{beyond}" if table.differing else ""
-        click.echo(f"{table.table:26} {SAID.get(table.verdict, table.verdict)}{rows}{f'; most: {table.most}' if table.most else ''}")
+        click.echo(
+            f"{table.table:26} {SAID.get(table.verdict, table.verdict)}{rows}{f'; most: {table.most}' if table.most else ''}"
+        )
     bad = [table for table in found if not table.by_chance]
     same = sum(table.verdict == "identical" for table in found)
-    click.echo(f"\n{len(found)} tables: {same} identical, {len(found) - same - len(bad)} within what chance does, {len(bad)} to look at")
+    click.echo(
+        f"\n{len(found)} tables: {same} identical, {len(found) - same - len(bad)} within what chance does, {len(bad)} to look at"
+    )
     if bad:
         raise SystemExit(1)
 
 
 @click.command()
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="File to write, in the run's folder.")
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    required=True,
+    help="File to write, in the run's folder.",
+)
 def checksums(out: Path) -> None:
     """Write the SHA-256 of every file of the run in whose folder OUT lies, as `sha256sum -c` reads them.
 
@@ -85,7 +106,9 @@ def checksums(out: Path) -> None:
 
 @click.command()
 @click.argument("run", type=FOLDER)
-@click.option("--remove", is_flag=True, help="Delete what is bad, so that the workflow makes it anew.")
+@click.option(
+    "--remove", is_flag=True, help="Delete what is bad, so that the workflow makes it anew."
+)
 def verify(run: Path, remove: bool) -> None:
     """Is RUN (a folder like results/default) as it was made? Names every file that is damaged, missing or changed.
 
@@ -98,10 +121,14 @@ def verify(run: Path, remove: bool) -> None:
     for bad in found.bad:
         click.echo(f"{run / bad.path}: {bad.verdict}: {bad.why}")
     for folder, n in sorted(found.absent.items()):
-        click.echo(f"{run / folder}: {'raw data' if folder == 'data' else 'models'} not here ({n:,} files)")
+        click.echo(
+            f"{run / folder}: {'raw data' if folder == 'data' else 'models'} not here ({n:,} files)"
+        )
     unknown = f", {found.unknown:,} of kinds that cannot be checked" if found.unknown else ""
     files = "file" if len(found.bad) == 1 else "files"
-    click.echo(f"{len(found.bad):,} bad {files}; {found.recorded:,} as their checksums say, {found.read:,} without one can be read{unknown}")
+    click.echo(
+        f"{len(found.bad):,} bad {files}; {found.recorded:,} as their checksums say, {found.read:,} without one can be read{unknown}"
+    )
     if not found.bad:
         return
     if remove:
@@ -111,14 +138,25 @@ def verify(run: Path, remove: bool) -> None:
     elif "data" in found.absent:
         click.echo("take the bad files anew from where this run comes from")
     else:
-        ended = "if a run has not ended, run the workflow to its end; else " if any(bad.verdict == "changed" for bad in found.bad) else ""
-        click.echo(f"{ended}sensory-commutativity verify {run} --remove deletes what is bad; then run the workflow again")
+        ended = (
+            "if a run has not ended, run the workflow to its end; else "
+            if any(bad.verdict == "changed" for bad in found.bad)
+            else ""
+        )
+        click.echo(
+            f"{ended}sensory-commutativity verify {run} --remove deletes what is bad; then run the workflow again"
+        )
     raise SystemExit(1)
 
 
 @click.command()
 @click.argument("run", type=FOLDER)
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="ZIP file to write.")
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    required=True,
+    help="ZIP file to write.",
+)
 @click.option("--with-data", is_flag=True, help="Put in the raw data too, which no figure needs.")
 def crate(run: Path, out: Path, with_data: bool) -> None:
     """Write RUN (a folder like results/default) as a Workflow Run RO-Crate, for an archive: settings, tables, models, figures and the workflow."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..config import json_schema, load, write_resolved
+from ..studies.loading import json_schema, load, write_resolved
 from .common import with_out
 
 
@@ -15,7 +15,7 @@ from .common import with_out
 @click.argument("files", nargs=-1, required=True)
 def check(files: tuple[str, ...]) -> None:
     """Check config FILES, each laid over the ones before: settings, the folder for results, robots, scenes, and that things fit into their rooms."""
-    from ..checks import check_run
+    from ..studies.check import check_run
 
     config = load(*files)
     check_run(config)

@@ -77,7 +77,9 @@ ACTION_SPACES: dict[str, Callable[[Scp, np.random.Generator | None], dict[str, f
 }
 
 
-def action_scales(action_space: str, scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
+def action_scales(
+    action_space: str, scp: Scp, rng: np.random.Generator | None = None
+) -> dict[str, float]:
     """How far each degree of freedom may go: degree of freedom -> factor in [0, 1] of its interval; 0 fixes it.
 
     Parameters
@@ -90,24 +92,44 @@ def action_scales(action_space: str, scp: Scp, rng: np.random.Generator | None =
         For `random-half`, which draws from it; the others ignore it.
     """
     if action_space not in ACTION_SPACES:
-        raise ValueError(f"there is no action space {action_space!r}; choose one of {', '.join(ACTION_SPACES)}")
+        raise ValueError(
+            f"there is no action space {action_space!r}; choose one of {', '.join(ACTION_SPACES)}"
+        )
     return ACTION_SPACES[action_space](scp, rng)
 
 
-def scp_of(table: pd.DataFrame, dofs: Sequence[str], world: str, agent: str, length: int, threshold: float = 0.0) -> dict[str, float]:
+def scp_of(
+    table: pd.DataFrame,
+    dofs: Sequence[str],
+    world: str,
+    agent: str,
+    length: int,
+    threshold: float = 0.0,
+) -> dict[str, float]:
     """The SCPs that a table like flatland_scp holds of an agent in a world, in the order of `dofs`. Raises ScpError where one is missing or twice."""
-    chosen = (table["world"] == world) & (table["agent"] == agent) & (table["length"] == length) & (table["threshold"] == threshold)
+    chosen = (
+        (table["world"] == world)
+        & (table["agent"] == agent)
+        & (table["length"] == length)
+        & (table["threshold"] == threshold)
+    )
     rows = table[chosen]
     where = f"the SCP table, {agent!r} in {world!r}, length {length}, threshold {threshold:g}"
     missing = [dof for dof in dofs if dof not in set(rows["dof"])]
     if missing:
-        raise ScpError(f"{where}: no row for {', '.join(missing)}; run the SC-experiments of every degree of freedom")
+        raise ScpError(
+            f"{where}: no row for {', '.join(missing)}; run the SC-experiments of every degree of freedom"
+        )
     if rows["dof"].duplicated().any():
-        raise ScpError(f"{where}: more than one row for {', '.join(rows['dof'][rows['dof'].duplicated()])}; make the table anew")
+        raise ScpError(
+            f"{where}: more than one row for {', '.join(rows['dof'][rows['dof'].duplicated()])}; make the table anew"
+        )
     found = rows.set_index("dof")["scp"]
     wrong = [dof for dof in dofs if not 0 <= found[dof] <= 1]
     if wrong:
-        raise ScpError(f"{where}: the SCP of {', '.join(wrong)} is no probability; make the table anew")
+        raise ScpError(
+            f"{where}: the SCP of {', '.join(wrong)} is no probability; make the table anew"
+        )
     return {dof: float(found[dof]) for dof in dofs}
 
 
@@ -116,23 +138,31 @@ class _Scaling:
 
     def __init__(self, scales: Sequence[float], whole: spaces.Box):
         if not isinstance(whole, spaces.Box) or not np.issubdtype(whole.dtype, np.floating):
-            raise ValueError(f"the environment's actions must be a Box of floating-point numbers in [-1, 1], not {whole}")
+            raise ValueError(
+                f"the environment's actions must be a Box of floating-point numbers in [-1, 1], not {whole}"
+            )
         self.scales = np.asarray(scales, np.float64)
         if self.scales.shape != whole.shape:
-            raise ValueError(f"an action of this environment has the shape {whole.shape}, but there are {self.scales.shape} scales")
+            raise ValueError(
+                f"an action of this environment has the shape {whole.shape}, but there are {self.scales.shape} scales"
+            )
         if not ((self.scales >= 0) & (self.scales <= 1)).all():
             raise ValueError(f"scales must lie in [0, 1], got {self.scales.tolist()}")
         if not self.scales.any():
             raise ValueError("all scales are 0: nothing is left to act with")
         if not (np.allclose(whole.low, -1) and np.allclose(whole.high, 1)):
-            raise ValueError(f"the environment's actions must lie in [-1, 1], not in [{whole.low.min():g}, {whole.high.max():g}]; rescale them first")
+            raise ValueError(
+                f"the environment's actions must lie in [-1, 1], not in [{whole.low.min():g}, {whole.high.max():g}]; rescale them first"
+            )
         self.free = np.flatnonzero(self.scales)
         self.space = spaces.Box(-1.0, 1.0, (len(self.free),), whole.dtype)
 
     def whole(self, action: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
         action = np.asarray(action)
         if action.shape != shape:
-            raise ValueError(f"an action of this action space has the shape {shape}, got {action.shape}")
+            raise ValueError(
+                f"an action of this action space has the shape {shape}, got {action.shape}"
+            )
         whole = np.zeros((*shape[:-1], len(self.scales)), self.space.dtype)
         whole[..., self.free] = np.clip(action, -1, 1) * self.scales[self.free]
         return whole

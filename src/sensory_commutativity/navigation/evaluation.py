@@ -28,7 +28,9 @@ class Episodes(NamedTuple):
         return float((self.terminated & (self.returns < 0)).mean())
 
 
-def evaluate(policy: RecurrentActorCriticPolicy, environment: VectorEnv, seeds: Sequence[int]) -> Episodes:
+def evaluate(
+    policy: RecurrentActorCriticPolicy, environment: VectorEnv, seeds: Sequence[int]
+) -> Episodes:
     """Play one episode in each room of `environment`, with the mean of the policy's action; the LSTM's state goes from step to step.
 
     Parameters

@@ -11,7 +11,7 @@ from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from torch import nn
 
-from ..config import LearnerConfig
+from ..studies.navigation.config import LearnerConfig
 from .recurrent import RoomBuffer, RoomPolicy
 from .rooms import Rooms
 
@@ -25,7 +25,13 @@ class ViewFeatures(BaseFeaturesExtractor):
     def __init__(self, observation_space: spaces.Box, features: int):
         super().__init__(observation_space, features)
         pixels, colours = observation_space.shape
-        convolutions = nn.Sequential(nn.Conv1d(colours, 16, 8, 4), nn.ReLU(), nn.Conv1d(16, 32, 4, 2, padding=1), nn.ReLU(), nn.Flatten())
+        convolutions = nn.Sequential(
+            nn.Conv1d(colours, 16, 8, 4),
+            nn.ReLU(),
+            nn.Conv1d(16, 32, 4, 2, padding=1),
+            nn.ReLU(),
+            nn.Flatten(),
+        )
         with torch.no_grad():
             n = convolutions(torch.zeros(1, colours, pixels)).shape[1]
         self.network = nn.Sequential(convolutions, nn.Linear(n, features), nn.ReLU())
@@ -62,9 +68,16 @@ def _policy_settings(settings: LearnerConfig) -> dict[str, Any]:
     )
 
 
-def make_policy(observation_space: spaces.Box, action_space: spaces.Box, settings: LearnerConfig) -> RoomPolicy:
+def make_policy(
+    observation_space: spaces.Box, action_space: spaces.Box, settings: LearnerConfig
+) -> RoomPolicy:
     """A policy alone, to act with weights that a learner left."""
-    return RoomPolicy(observation_space, action_space, lambda _: settings.learning_rate, **_policy_settings(settings))
+    return RoomPolicy(
+        observation_space,
+        action_space,
+        lambda _: settings.learning_rate,
+        **_policy_settings(settings),
+    )
 
 
 def make_learner(rooms: Rooms, settings: LearnerConfig, seed: int) -> RoomPPO:
@@ -86,5 +99,7 @@ def make_learner(rooms: Rooms, settings: LearnerConfig, seed: int) -> RoomPPO:
         seed=seed,
         device="cpu",
     )
-    learner.set_logger(Logger(folder=None, output_formats=[]))  # else every segment leaves a folder in the system's temporary one
+    learner.set_logger(
+        Logger(folder=None, output_formats=[])
+    )  # else every segment leaves a folder in the system's temporary one
     return learner

@@ -23,25 +23,35 @@ class RoomBuffer(RecurrentRolloutBuffer):
     A minibatch of k rooms holds their k * n_steps transitions, room after room, and the LSTM's states at the start of the rollout.
     """
 
-    def get(self, batch_size: int | None = None) -> Generator[RecurrentRolloutBufferSamples, None, None]:
+    def get(
+        self, batch_size: int | None = None
+    ) -> Generator[RecurrentRolloutBufferSamples, None, None]:
         """Minibatches of `batch_size` transitions, a multiple of the rollout's steps."""
         if not self.full:
             raise ValueError("the rollout is not complete: collect it before learning from it")
         rooms_at_once = self.n_envs if batch_size is None else batch_size // self.buffer_size
-        if batch_size is not None and (rooms_at_once * self.buffer_size != batch_size or self.n_envs % rooms_at_once):
+        if batch_size is not None and (
+            rooms_at_once * self.buffer_size != batch_size or self.n_envs % rooms_at_once
+        ):
             raise ValueError(
                 f"a minibatch is the whole rollout of some rooms: {batch_size} transitions are not {self.buffer_size} steps of a number of rooms "
                 f"that divides {self.n_envs}"
             )
-        for rooms in np.array_split(np.random.permutation(self.n_envs), self.n_envs // rooms_at_once):  # noqa: NPY002  (seeded by the learner)
+        for rooms in np.array_split(
+            np.random.permutation(self.n_envs), self.n_envs // rooms_at_once
+        ):  # noqa: NPY002  (seeded by the learner)
             yield self._rooms(rooms)
 
     def _rooms(self, rooms: np.ndarray) -> RecurrentRolloutBufferSamples:
-        def take(array: np.ndarray) -> torch.Tensor:  # (n_steps, n_envs, ...) -> (rooms * n_steps, ...)
+        def take(
+            array: np.ndarray,
+        ) -> torch.Tensor:  # (n_steps, n_envs, ...) -> (rooms * n_steps, ...)
             chosen = array[:, rooms].swapaxes(0, 1)
             return self.to_torch(np.ascontiguousarray(chosen.reshape(-1, *array.shape[2:])))
 
-        def state(array: np.ndarray) -> torch.Tensor:  # (n_steps, layers, n_envs, hidden) -> (layers, rooms, hidden)
+        def state(
+            array: np.ndarray,
+        ) -> torch.Tensor:  # (n_steps, layers, n_envs, hidden) -> (layers, rooms, hidden)
             return self.to_torch(np.ascontiguousarray(array[0][:, rooms]))
 
         returns = take(self.returns)
@@ -66,7 +76,10 @@ class RoomPolicy(RecurrentActorCriticPolicy):
 
     @staticmethod
     def _process_sequence(
-        features: torch.Tensor, lstm_states: tuple[torch.Tensor, torch.Tensor], episode_starts: torch.Tensor, lstm: nn.LSTM
+        features: torch.Tensor,
+        lstm_states: tuple[torch.Tensor, torch.Tensor],
+        episode_starts: torch.Tensor,
+        lstm: nn.LSTM,
     ) -> tuple[torch.Tensor, tuple[torch.Tensor, torch.Tensor]]:
         """Run the LSTM over sequences that may hold episode starts anywhere.
 

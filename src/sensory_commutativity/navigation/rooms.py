@@ -22,10 +22,16 @@ class Rooms(VecEnv):
 
     def __init__(self, environment: VectorEnv, reward_scale: float = 1.0):
         if environment.metadata.get("autoreset_mode") != AutoresetMode.SAME_STEP:
-            raise ValueError("Stable-Baselines3 resets an ended episode in the same step: make the environment with AutoresetMode.SAME_STEP")
+            raise ValueError(
+                "Stable-Baselines3 resets an ended episode in the same step: make the environment with AutoresetMode.SAME_STEP"
+            )
         self.environment, self.reward_scale = environment, reward_scale
         self.render_mode = None
-        super().__init__(environment.num_envs, environment.single_observation_space, environment.single_action_space)
+        super().__init__(
+            environment.num_envs,
+            environment.single_observation_space,
+            environment.single_action_space,
+        )
 
     def seed(self, seed: int | None = None) -> list[int]:
         """Seed the next reset, every room differently; not with neighbouring numbers, so that rooms of different `seed`, >= 0, are never the same."""
@@ -47,7 +53,10 @@ class Rooms(VecEnv):
         told: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         ended = terminated | truncated
         for r in np.flatnonzero(ended):
-            told[r] = {"terminal_observation": infos["final_obs"][r], "TimeLimit.truncated": bool(truncated[r] and not terminated[r])}
+            told[r] = {
+                "terminal_observation": infos["final_obs"][r],
+                "TimeLimit.truncated": bool(truncated[r] and not terminated[r]),
+            }
         return observations, (rewards * self.reward_scale).astype(np.float32), ended, told
 
     def close(self) -> None:
@@ -56,15 +65,23 @@ class Rooms(VecEnv):
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         if attr_name == "render_mode":  # which Stable-Baselines3 asks every environment
             return [None for _ in self._get_indices(indices)]
-        owner = self.environment if hasattr(self.environment, attr_name) else self.environment.unwrapped
+        owner = (
+            self.environment if hasattr(self.environment, attr_name) else self.environment.unwrapped
+        )
         value = getattr(owner, attr_name)  # raises AttributeError, as the single environments would
         return [value for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        raise NotImplementedError("the rooms share one compiled loop; make a new environment instead")
+        raise NotImplementedError(
+            "the rooms share one compiled loop; make a new environment instead"
+        )
 
-    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
-        raise NotImplementedError("the rooms share one compiled loop; there are no single environments to call")
+    def env_method(
+        self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any
+    ) -> list[Any]:
+        raise NotImplementedError(
+            "the rooms share one compiled loop; there are no single environments to call"
+        )
 
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
         return [False for _ in self._get_indices(indices)]

@@ -13,7 +13,10 @@ from ..worlds.flatland.environment import FlatlandEnv
 from ..worlds.flatland.room import Mark, Room
 from ..worlds.flatland.vector import FlatlandVectorEnv
 
-DEAD_COLOUR, GOAL_COLOUR = (255, 40, 40), (40, 255, 40)  # chosen: pure colours that no wall, arm or thing has
+DEAD_COLOUR, GOAL_COLOUR = (
+    (255, 40, 40),
+    (40, 255, 40),
+)  # chosen: pure colours that no wall, arm or thing has
 
 
 @dataclass(frozen=True)
@@ -33,8 +36,13 @@ class Zone:
 def room_with_zones(room: Room, zones: tuple[Zone, ...]) -> Room:
     """`room` with the zones as marks, so that the eye sees them and the agent starts outside them."""
     if not zones:
-        raise ValueError("the task needs at least one zone: nothing else ends an episode with a reward")
-    marks = tuple(Mark(zone.x, zone.y, zone.radius, GOAL_COLOUR if zone.is_goal else DEAD_COLOUR) for zone in zones)
+        raise ValueError(
+            "the task needs at least one zone: nothing else ends an episode with a reward"
+        )
+    marks = tuple(
+        Mark(zone.x, zone.y, zone.radius, GOAL_COLOUR if zone.is_goal else DEAD_COLOUR)
+        for zone in zones
+    )
     return replace(room, marks=marks)
 
 
@@ -74,12 +82,19 @@ class NavigationEnv(FlatlandEnv):
     """
 
     def __init__(
-        self, room: Room, zones: tuple[Zone, ...], agent: Polyphemus | None = None, max_episode_steps: int = 300, render_mode: str | None = None
+        self,
+        room: Room,
+        zones: tuple[Zone, ...],
+        agent: Polyphemus | None = None,
+        max_episode_steps: int = 300,
+        render_mode: str | None = None,
     ):
         super().__init__(room_with_zones(room, zones), agent, render_mode)
         self.zones, self.max_episode_steps = zones, max_episode_steps
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
         self._steps = 0
         return super().reset(seed=seed, options=options)
 
@@ -89,7 +104,11 @@ class NavigationEnv(FlatlandEnv):
         zone = int(touched(self.zones, self.world.poses()[:1, :2], self.world.agent.base_radius)[0])
         terminated = zone >= 0
         truncated = self._steps >= self.max_episode_steps and not terminated
-        info = {"is_success": terminated and self.zones[zone].is_goal} if terminated or truncated else {}
+        info = (
+            {"is_success": terminated and self.zones[zone].is_goal}
+            if terminated or truncated
+            else {}
+        )
         return seen, self.zones[zone].reward if terminated else 0.0, terminated, truncated, info
 
 
@@ -105,10 +124,14 @@ class NavigationVectorEnv(FlatlandVectorEnv):
         max_episode_steps: int = 300,
         autoreset_mode: AutoresetMode = AutoresetMode.NEXT_STEP,
     ):
-        super().__init__(num_envs, room_with_zones(room, zones), agent, max_episode_steps, autoreset_mode)
+        super().__init__(
+            num_envs, room_with_zones(room, zones), agent, max_episode_steps, autoreset_mode
+        )
         self.zones = zones
         self._base_radius = (agent or Polyphemus()).base_radius
-        self._rewards = np.array([*(zone.reward for zone in zones), 0.0])  # the last is for touching none
+        self._rewards = np.array(
+            [*(zone.reward for zone in zones), 0.0]
+        )  # the last is for touching none
 
     def _judge(self) -> tuple[np.ndarray, np.ndarray]:
         self._zone = touched(self.zones, self._pose[:, 0, :2], self._base_radius)

@@ -41,20 +41,31 @@ class PerceptualFeatures:
         self._convolutions = [
             tuple(torch.from_numpy(np.array(array, np.float32)) for array in convolution) for convolution in weights.convolutions
         ]  # fmt: skip
-        self._convolutions = [(kernels.contiguous(memory_format=torch.channels_last), biases) for kernels, biases in self._convolutions]
+        self._convolutions = [
+            (kernels.contiguous(memory_format=torch.channels_last), biases)
+            for kernels, biases in self._convolutions
+        ]
         self._means = torch.tensor(MEANS).reshape(1, 3, 1, 1)
 
     def features(self, images: np.ndarray) -> np.ndarray:
         """Features of uint8 (n, h, w, 3), red, green, blue: float32 (n, 512)."""
         images = np.asarray(images)
         if images.dtype != np.uint8 or images.ndim != 4 or images.shape[3] != 3:
-            raise ValueError(f"pictures must be uint8 of the shape (n, height, width, 3); got {images.dtype} {images.shape}")
-        return np.stack([self._of_one(image) for image in images]) if len(images) else np.zeros((0, self._convolutions[-1][1].shape[0]), np.float32)
+            raise ValueError(
+                f"pictures must be uint8 of the shape (n, height, width, 3); got {images.dtype} {images.shape}"
+            )
+        return (
+            np.stack([self._of_one(image) for image in images])
+            if len(images)
+            else np.zeros((0, self._convolutions[-1][1].shape[0]), np.float32)
+        )
 
     def distances(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Squared distances of the features of pictures, both uint8 (n, h, w, 3), pair by pair: float64 (n,); exactly 0 for equal pictures."""
         if first.shape != second.shape:
-            raise ValueError(f"pictures are compared in pairs, but there are {first.shape} and {second.shape}")
+            raise ValueError(
+                f"pictures are compared in pairs, but there are {first.shape} and {second.shape}"
+            )
         known: dict[bytes, np.ndarray] = {}
 
         def of(image: np.ndarray) -> np.ndarray:
@@ -63,12 +74,23 @@ class PerceptualFeatures:
                 known[key] = self.features(image[None])[0].astype(np.float64)
             return known[key]
 
-        return np.array([0.0 if np.array_equal(a, b) else ((of(a) - of(b)) ** 2).sum() for a, b in zip(first, second, strict=True)], np.float64)
+        return np.array(
+            [
+                0.0 if np.array_equal(a, b) else ((of(a) - of(b)) ** 2).sum()
+                for a, b in zip(first, second, strict=True)
+            ],
+            np.float64,
+        )
 
     def _of_one(self, image: np.ndarray) -> np.ndarray:
         torch, functional = self._torch, self._torch.nn.functional
         with torch.inference_mode():
-            x = torch.from_numpy(np.ascontiguousarray(image[..., ::-1])).permute(2, 0, 1)[None].float() - self._means
+            x = (
+                torch.from_numpy(np.ascontiguousarray(image[..., ::-1]))
+                .permute(2, 0, 1)[None]
+                .float()
+                - self._means
+            )
             x = x.contiguous(memory_format=torch.channels_last)
             layer = 0
             for block, count in enumerate(BLOCKS):

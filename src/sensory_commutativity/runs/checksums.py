@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from ..errors import UserError
-from ..tables import written_whole
+from ..storage.tables import written_whole
 
 MANIFEST = "checksums.sha256"
 FOLDERS = ("data", "models", "tables", "figures")
@@ -35,9 +35,16 @@ class Manifest(NamedTuple):
 
 def files_of(run: Path) -> list[str]:
     """What a run made, but for hidden files: paths relative to its folder, with slashes, sorted."""
-    found = (path for folder in FOLDERS for path in (run / folder).rglob("*") if path.suffix in SUFFIXES and path.is_file())
+    found = (
+        path
+        for folder in FOLDERS
+        for path in (run / folder).rglob("*")
+        if path.suffix in SUFFIXES and path.is_file()
+    )
     paths = (path.relative_to(run) for path in found)
-    return sorted(path.as_posix() for path in paths if not any(part.startswith(".") for part in path.parts))
+    return sorted(
+        path.as_posix() for path in paths if not any(part.startswith(".") for part in path.parts)
+    )
 
 
 def sha256(path: Path) -> str:
@@ -55,7 +62,11 @@ def read_manifest(path: Path) -> Manifest:
     hashes, wrong = {}, []
     for i, line in enumerate(lines):
         found = _LINE.fullmatch(line)
-        if found and not PurePosixPath(found[2]).is_absolute() and ".." not in PurePosixPath(found[2]).parts:
+        if (
+            found
+            and not PurePosixPath(found[2]).is_absolute()
+            and ".." not in PurePosixPath(found[2]).parts
+        ):
             hashes[found[2]] = found[1]
         elif line or i < len(lines) - 1:
             wrong.append(i + 1)
@@ -76,10 +87,14 @@ def write_manifest(path: Path) -> tuple[int, int]:
             keep = name in old and (run / name).stat().st_mtime_ns < written
             lines.append(f"{old[name] if keep else sha256(run / name)}  {name}\n")
         except OSError as error:
-            raise UserError(f"{run / name}: cannot be read ({error.strerror}); delete it and run the workflow again") from None
+            raise UserError(
+                f"{run / name}: cannot be read ({error.strerror}); delete it and run the workflow again"
+            ) from None
         kept += keep
     if not lines:
-        raise UserError(f"{run}: no run, it holds no files in {', '.join(FOLDERS)}; give a path like results/default/{MANIFEST}")
+        raise UserError(
+            f"{run}: no run, it holds no files in {', '.join(FOLDERS)}; give a path like results/default/{MANIFEST}"
+        )
     with written_whole(path) as temporary:
         temporary.write_text("".join(lines), encoding="utf-8")
     return len(lines) - kept, kept

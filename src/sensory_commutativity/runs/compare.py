@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from ..errors import UserError
-from ..tables import TABLES, read_table
+from ..storage.tables import TABLES, read_table
 
 ROUNDING = 1e-9
 """Relative difference up to which two numbers are the same: another processor adds up in another order."""
@@ -97,10 +97,16 @@ def compare_tables(name: str, a: pd.DataFrame, b: pd.DataFrame) -> TableDifferen
     n, beyond = 0, 0
     for low, high in intervals(left):
         apart = (left[low] > right[high]) | (right[low] > left[high])
-        n, beyond = n + int((left[low].notna() & right[low].notna()).sum()), beyond + int(apart.sum())
+        n, beyond = (
+            n + int((left[low].notna() & right[low].notna()).sum()),
+            beyond + int(apart.sum()),
+        )
     most = _most(left, right, differs)
     if len(both) < max(len(a), len(b)):
-        verdict, most = "rows", f"{len(a) - len(both)} rows only in A, {len(b) - len(both)} only in B{'; ' if most else ''}{most}"
+        verdict, most = (
+            "rows",
+            f"{len(a) - len(both)} rows only in A, {len(b) - len(both)} only in B{'; ' if most else ''}{most}",
+        )
     elif not differing.any():
         verdict = "rounding"
     else:
@@ -128,26 +134,39 @@ def intervals(frame: pd.DataFrame) -> Iterator[tuple[str, str]]:
 def _unlike(a: pd.Series, b: pd.Series) -> np.ndarray:
     """Where two columns differ by more than rounding: bool (n,)."""
     if pd.api.types.is_float_dtype(a.dtype):
-        return ~np.isclose(a.to_numpy(float), b.to_numpy(float), rtol=ROUNDING, atol=ROUNDING, equal_nan=True)
+        return ~np.isclose(
+            a.to_numpy(float), b.to_numpy(float), rtol=ROUNDING, atol=ROUNDING, equal_nan=True
+        )
     return ~((a == b) | (a.isna() & b.isna())).to_numpy(bool)
 
 
 def _most(a: pd.DataFrame, b: pd.DataFrame, differs: dict[str, np.ndarray]) -> str:
     """The greatest relative difference, in words: of results where they differ, else of counts, ends of intervals, or words."""
     unlike = {column: where for column, where in differs.items() if where.any()}
-    results = {c: where for c, where in unlike.items() if pd.api.types.is_float_dtype(a[c].dtype) and not c.endswith(("_low", "_high"))}
+    results = {
+        c: where
+        for c, where in unlike.items()
+        if pd.api.types.is_float_dtype(a[c].dtype) and not c.endswith(("_low", "_high"))
+    }
     most, said = -1.0, ""
     for column, where in (results or unlike).items():
-        if pd.api.types.is_bool_dtype(a[column].dtype) or not pd.api.types.is_numeric_dtype(a[column].dtype):
+        if pd.api.types.is_bool_dtype(a[column].dtype) or not pd.api.types.is_numeric_dtype(
+            a[column].dtype
+        ):
             size, row = 0.0, int(np.argmax(where))
         else:
             x, y = a[column].to_numpy(float), b[column].to_numpy(float)
             with np.errstate(invalid="ignore", divide="ignore"):
-                sizes = np.where(where, np.abs(x - y) / np.maximum(np.maximum(np.abs(x), np.abs(y)), 1e-300), -1)
+                sizes = np.where(
+                    where, np.abs(x - y) / np.maximum(np.maximum(np.abs(x), np.abs(y)), 1e-300), -1
+                )
             row = int(np.argmax(np.where(np.isnan(sizes), np.inf, sizes)))
             size = float(sizes[row])
         if not size <= most:
-            most, said = size, f"{column} {_text(a[column].iloc[row])} and {_text(b[column].iloc[row])} at {_place(a.index[row])}"
+            most, said = (
+                size,
+                f"{column} {_text(a[column].iloc[row])} and {_text(b[column].iloc[row])} at {_place(a.index[row])}",
+            )
     return said
 
 

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..errors import UserError
-from ..tables import written_whole
-from ..yamlfile import read_yaml
+from ..storage.tables import written_whole
+from ..storage.yamlfile import read_yaml
 from .checksums import MANIFEST, files_of, read_manifest, sha256
 from .compare import tables_of
 from .origin import OriginError, origin_of
@@ -34,8 +34,16 @@ WORKFLOW = {
 }
 """Folders beside the Snakefile that it needs."""
 BESIDE = ("README.md", "LICENSE", "CITATION.cff", "pyproject.toml", "requirements.lock")
-ROCRATE, WROC, WFRUN = "1.1", "https://w3id.org/workflowhub/workflow-ro-crate/1.0", "https://w3id.org/ro/wfrun"
-PROFILES = {f"{WFRUN}/process/0.5": "Process Run Crate", f"{WFRUN}/workflow/0.5": "Workflow Run Crate", WROC: "Workflow RO-Crate"}
+ROCRATE, WROC, WFRUN = (
+    "1.1",
+    "https://w3id.org/workflowhub/workflow-ro-crate/1.0",
+    "https://w3id.org/ro/wfrun",
+)
+PROFILES = {
+    f"{WFRUN}/process/0.5": "Process Run Crate",
+    f"{WFRUN}/workflow/0.5": "Workflow Run Crate",
+    WROC: "Workflow RO-Crate",
+}
 FORMATS = {
     ".parquet": "application/vnd.apache.parquet",
     ".h5": "application/x-hdf5",
@@ -55,7 +63,9 @@ FORMATS = {
 COMPRESSED = (".parquet", ".h5", ".predictor", ".policy", ".png", ".gif", ".pdf")
 
 
-def write_crate(run: Path, out: Path, with_data: bool = False, date: datetime.date | None = None) -> int:
+def write_crate(
+    run: Path, out: Path, with_data: bool = False, date: datetime.date | None = None
+) -> int:
     """Write the run as a ZIP file; return how many files it holds. Raises UserError for a folder that is no run, and for damaged files.
 
     Parameters
@@ -69,7 +79,9 @@ def write_crate(run: Path, out: Path, with_data: bool = False, date: datetime.da
     from rocrate.rocrate import ROCrate
 
     if not (ROOT / SNAKEFILE).is_file():
-        raise UserError(f"{ROOT / SNAKEFILE}: there is no such file, so the crate would lack the workflow; install the package from a clone (make)")
+        raise UserError(
+            f"{ROOT / SNAKEFILE}: there is no such file, so the crate would lack the workflow; install the package from a clone (make)"
+        )
     settings = _settings(run)
     inside: dict[str, Path] = {}  # path in the crate -> file
     crate = ROCrate(version=ROCRATE)
@@ -82,7 +94,10 @@ def write_crate(run: Path, out: Path, with_data: bool = False, date: datetime.da
         return _file(crate, inside, run / name, f"{where}/{name}", description=text, **more)
 
     given = add("config.yaml", "all settings of the run")
-    for name, text in ((MANIFEST, "SHA-256 of what the run made"), ("report.html", "the figures with explanations")):
+    for name, text in (
+        (MANIFEST, "SHA-256 of what the run made"),
+        ("report.html", "the figures with explanations"),
+    ):
         if (run / name).is_file():
             add(name, text)
     names = [name for name in files_of(run) if with_data or not name.startswith("data/")]
@@ -95,7 +110,11 @@ def write_crate(run: Path, out: Path, with_data: bool = False, date: datetime.da
             _put(archive, f"{folder}/", b"")  # named in the metadata, so it must be there itself
         for name, path in inside.items():
             _put(archive, name, path.read_bytes())
-        _put(archive, "ro-crate-metadata.json", json.dumps(crate.metadata.generate(), indent=2, ensure_ascii=False).encode())
+        _put(
+            archive,
+            "ro-crate-metadata.json",
+            json.dumps(crate.metadata.generate(), indent=2, ensure_ascii=False).encode(),
+        )
     return len(inside) + 1
 
 
@@ -106,8 +125,12 @@ def _settings(run: Path) -> dict[str, Any]:
         settings = read_yaml(run / "config.yaml", UserError, "the settings of a run")
     except UserError:
         settings = None
-    if not isinstance(settings, dict) or not re.fullmatch(r"[\w.-]+", str(settings.get("profile", ""))):
-        raise UserError(f"{run / 'config.yaml'}: missing or not the settings of a run; run the workflow again, or give another folder")
+    if not isinstance(settings, dict) or not re.fullmatch(
+        r"[\w.-]+", str(settings.get("profile", ""))
+    ):
+        raise UserError(
+            f"{run / 'config.yaml'}: missing or not the settings of a run; run the workflow again, or give another folder"
+        )
     return settings
 
 
@@ -117,7 +140,9 @@ def _hashed(run: Path, names: list[str]) -> Iterator[tuple[str, str]]:
     for name in names:
         digest = sha256(run / name)
         if recorded.get(name, digest) != digest:
-            raise UserError(f"{run / name}: not what {run / MANIFEST} says; see sensory-commutativity verify {run}")
+            raise UserError(
+                f"{run / name}: not what {run / MANIFEST} says; see sensory-commutativity verify {run}"
+            )
         yield name, digest
 
 
@@ -129,7 +154,11 @@ def _kind(name: str) -> str:
 def _file(crate: ROCrate, inside: dict[str, Path], path: Path, name: str, **about: Any):
     """Add a file to the crate, and note that it goes in."""
     inside[name] = path
-    known = {"name": path.name, "encodingFormat": FORMATS.get(path.suffix, "text/plain"), "contentSize": str(path.stat().st_size)}
+    known = {
+        "name": path.name,
+        "encodingFormat": FORMATS.get(path.suffix, "text/plain"),
+        "contentSize": str(path.stat().st_size),
+    }
     return crate.add_file(path, name, properties={**known, **about})
 
 
@@ -139,11 +168,19 @@ def _workflow(crate: ROCrate, inside: dict[str, Path]):
 
     cited = read_yaml(ROOT / "CITATION.cff", UserError, "CITATION.cff")
     text = (ROOT / "LICENSE").read_text(encoding="utf-8").splitlines()[0]
-    license_ = crate.add(ContextEntity(crate, f"https://spdx.org/licenses/{cited['license']}", {"@type": "CreativeWork", "name": text}))
+    license_ = crate.add(
+        ContextEntity(
+            crate,
+            f"https://spdx.org/licenses/{cited['license']}",
+            {"@type": "CreativeWork", "name": text},
+        )
+    )
     authors = [crate.add(ContextEntity(crate, *_author(author))) for author in cited["authors"]]
     inside[SNAKEFILE] = ROOT / SNAKEFILE
     about = {"name": cited["title"], "version": __version__, "encodingFormat": "text/plain"}
-    workflow = crate.add_workflow(ROOT / SNAKEFILE, SNAKEFILE, main=True, lang="snakemake", properties=about)
+    workflow = crate.add_workflow(
+        ROOT / SNAKEFILE, SNAKEFILE, main=True, lang="snakemake", properties=about
+    )
     workflow["license"] = crate.root_dataset["license"] = license_
     workflow["author"] = crate.root_dataset["author"] = authors if len(authors) > 1 else authors[0]
     for profile, name in PROFILES.items():
@@ -151,12 +188,26 @@ def _workflow(crate: ROCrate, inside: dict[str, Path]):
         crate.root_dataset.append_to("conformsTo", crate.add(ContextEntity(crate, profile, about)))
     for name in BESIDE:
         if (ROOT / name).is_file():
-            _file(crate, inside, ROOT / name, name, **({"about": crate.root_dataset} if name == "README.md" else {}))
+            _file(
+                crate,
+                inside,
+                ROOT / name,
+                name,
+                **({"about": crate.root_dataset} if name == "README.md" else {}),
+            )
     for folder, said in WORKFLOW.items():
-        workflow.append_to("hasPart", crate.add_dataset(ROOT / folder, folder, properties={"name": folder, "description": said}))
+        workflow.append_to(
+            "hasPart",
+            crate.add_dataset(
+                ROOT / folder, folder, properties={"name": folder, "description": said}
+            ),
+        )
         for path in sorted((ROOT / folder).rglob("*")):
             below = path.relative_to(ROOT)
-            if path.is_file() and not any(part.startswith(".") or part.endswith(("__pycache__", ".egg-info")) for part in below.parts):
+            if path.is_file() and not any(
+                part.startswith(".") or part.endswith(("__pycache__", ".egg-info"))
+                for part in below.parts
+            ):
                 inside[below.as_posix()] = path
     return workflow
 
@@ -164,25 +215,48 @@ def _workflow(crate: ROCrate, inside: dict[str, Path]):
 def _author(author: dict[str, str]) -> tuple[str, dict[str, str]]:
     """Id and properties of an author of CITATION.cff: a person or, where it has but a name, an organisation."""
     person = "family-names" in author
-    name = f"{author.get('given-names', '')} {author['family-names']}".strip() if person else author["name"]
-    identifier = author.get("orcid") or author.get("website") or f"#{re.sub(r'[^a-z0-9]+', '-', name.lower())}"
+    name = (
+        f"{author.get('given-names', '')} {author['family-names']}".strip()
+        if person
+        else author["name"]
+    )
+    identifier = (
+        author.get("orcid")
+        or author.get("website")
+        or f"#{re.sub(r'[^a-z0-9]+', '-', name.lower())}"
+    )
     return identifier, {"@type": "Person" if person else "Organization", "name": name}
 
 
-def _action(crate: ROCrate, run: Path, settings: dict[str, Any], workflow, given, results: list) -> None:
+def _action(
+    crate: ROCrate, run: Path, settings: dict[str, Any], workflow, given, results: list
+) -> None:
     """Add that the workflow was run: on what, with what, and what came out."""
     from rocrate.model.contextentity import ContextEntity
 
     origins = _origins(run)
     if not origins:
-        raise UserError(f"{run}: none of its tables says where it comes from; run the workflow again")
+        raise UserError(
+            f"{run}: none of its tables says where it comes from; run the workflow again"
+        )
 
     def values(key: str, text: str) -> list[ContextEntity]:
-        found = dict.fromkeys(origin[key] for origin in origins if key in origin)  # several, where a run went on with another version
+        found = dict.fromkeys(
+            origin[key] for origin in origins if key in origin
+        )  # several, where a run went on with another version
         about = {"@type": "PropertyValue", "name": key, "description": text}
-        return [crate.add(ContextEntity(crate, f"#{key}{i or ''}", {**about, "value": value})) for i, value in enumerate(found)]
+        return [
+            crate.add(ContextEntity(crate, f"#{key}{i or ''}", {**about, "value": value}))
+            for i, value in enumerate(found)
+        ]
 
-    packages = sorted({(name, version) for origin in origins for name, version in json.loads(origin.get("packages", "{}")).items()})
+    packages = sorted(
+        {
+            (name, version)
+            for origin in origins
+            for name, version in json.loads(origin.get("packages", "{}")).items()
+        }
+    )
     for name, version in packages:
         if version != "absent":
             url = f"https://pypi.org/project/{name}/{version}/"
@@ -203,7 +277,10 @@ def _action(crate: ROCrate, run: Path, settings: dict[str, Any], workflow, given
     action["result"] = results
     action["additionalProperty"] = [
         *values("config_sha256", "SHA-256 of the settings"),
-        *values("git_commit", "commit of the code that ran; the workflow in this crate is that of the clone from which the crate was made"),
+        *values(
+            "git_commit",
+            "commit of the code that ran; the workflow in this crate is that of the clone from which the crate was made",
+        ),
         *values("python", "version of Python"),
         *values("platform", "operating system and processor"),
     ]

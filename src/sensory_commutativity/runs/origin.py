@@ -9,7 +9,17 @@ from pathlib import Path
 
 from ..errors import UserError
 
-FIRST = ("table", "content", "profile", "config_sha256", "root_seed", "git_commit", "python", "platform", "packages")
+FIRST = (
+    "table",
+    "content",
+    "profile",
+    "config_sha256",
+    "root_seed",
+    "git_commit",
+    "python",
+    "platform",
+    "packages",
+)
 """In which order keys are shown; all others follow."""
 
 
@@ -20,23 +30,37 @@ class OriginError(UserError):
 def origin_of(path: Path) -> dict[str, str]:
     """What a file says of where it comes from. Raises OriginError, or the error of whatever reads such files."""
     if not path.is_file():
-        raise OriginError(f"{path}: there is no such file; give a table, an array file, a model or a figure of a run")
+        raise OriginError(
+            f"{path}: there is no such file; give a table, an array file, a model or a figure of a run"
+        )
     read = READERS.get(path.suffix)
     if read is None:
-        raise OriginError(f"{path}: files that end with {path.suffix or 'nothing'} do not say where they come from; give one of {', '.join(READERS)}")
+        raise OriginError(
+            f"{path}: files that end with {path.suffix or 'nothing'} do not say where they come from; give one of {', '.join(READERS)}"
+        )
     try:
         found = read(path)
     except UserError:
         raise
     except Exception as error:
-        raise OriginError(f"{path}: cannot be read ({(str(error).splitlines() or ['?'])[0][:80]}); delete it and run the workflow again") from None
+        raise OriginError(
+            f"{path}: cannot be read ({(str(error).splitlines() or ['?'])[0][:80]}); delete it and run the workflow again"
+        ) from None
     if "config_sha256" not in found:
-        raise OriginError(f"{path}: does not say where it comes from; this version's workflow did not write it")
-    return {key: found[key] for key in (*(key for key in FIRST if key in found), *(key for key in found if key not in FIRST))}
+        raise OriginError(
+            f"{path}: does not say where it comes from; this version's workflow did not write it"
+        )
+    return {
+        key: found[key]
+        for key in (
+            *(key for key in FIRST if key in found),
+            *(key for key in found if key not in FIRST),
+        )
+    }
 
 
 def _table(path: Path) -> dict[str, str]:
-    from ..tables import read_about
+    from ..storage.tables import read_about
 
     return {key: value for key, value in read_about(path).items() if key != "pandas"}
 
@@ -49,7 +73,7 @@ def _arrays(path: Path) -> dict[str, str]:
 
 
 def _model(path: Path) -> dict[str, str]:
-    from ..checkpoints import load_state
+    from ..storage.checkpoints import load_state
 
     return dict(load_state(path, "run the workflow again").get("about", {}))
 

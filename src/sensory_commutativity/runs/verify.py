@@ -52,10 +52,15 @@ class Verified(NamedTuple):
 def verify_run(run: Path) -> Verified:
     """Check every file of a run. Raises UserError for a folder that is none."""
     if not (run / MANIFEST).is_file() and not files_of(run):
-        raise UserError(f"{run}: no run, it holds neither {MANIFEST} nor files in {', '.join(FOLDERS)}; give a folder like results/default")
+        raise UserError(
+            f"{run}: no run, it holds neither {MANIFEST} nor files in {', '.join(FOLDERS)}; give a folder like results/default"
+        )
     manifest = read_manifest(run / MANIFEST)
     written = (run / MANIFEST).stat().st_mtime_ns if manifest.hashes else 0
-    bad = [Bad(MANIFEST, "damaged", f"line {line} is no checksum of a file of this run") for line in manifest.wrong]
+    bad = [
+        Bad(MANIFEST, "damaged", f"line {line} is no checksum of a file of this run")
+        for line in manifest.wrong
+    ]
     absent: Counter[str] = Counter()
     recorded = read = unknown = 0
     for name, expected in manifest.hashes.items():
@@ -95,9 +100,13 @@ def remove_bad(run: Path, found: Verified) -> list[str]:
     if not found.bad:
         return []
     if "data" in found.absent:
-        raise UserError(f"{run / 'data'}: not here, so the workflow would make the whole run anew; take the bad files from where the run comes from")
+        raise UserError(
+            f"{run / 'data'}: not here, so the workflow would make the whole run anew; take the bad files from where the run comes from"
+        )
     names = [bad.path for bad in found.bad if bad.verdict != "missing" and bad.path != MANIFEST]
-    names += [MANIFEST] if (run / MANIFEST).exists() else []  # last: if this is cut short, the rest is still known to be missing
+    names += (
+        [MANIFEST] if (run / MANIFEST).exists() else []
+    )  # last: if this is cut short, the rest is still known to be missing
     for name in names:
         (run / name).unlink(missing_ok=True)
     return names
@@ -122,7 +131,7 @@ def _left_out(run: Path, name: str) -> str:
 
 
 def _table(path: Path) -> str | None:
-    from ..tables import TABLES, read_about, read_table
+    from ..storage.tables import TABLES, read_about, read_table
 
     name = read_about(path).get("table", "")  # not the file's name: raw data are parts of a table
     if name not in TABLES:
@@ -134,7 +143,7 @@ def _table(path: Path) -> str | None:
 def _arrays(path: Path) -> str | None:
     import h5py
 
-    from ..masks.store import read_arrays
+    from ..storage.arrays import read_arrays
 
     with h5py.File(path, "r") as file:
         content = file.attrs.get("content")
@@ -145,7 +154,7 @@ def _arrays(path: Path) -> str | None:
 
 
 def _model(path: Path) -> str:
-    from ..checkpoints import load_state
+    from ..storage.checkpoints import load_state
 
     load_state(path, "run the workflow again")
     return ""
@@ -159,12 +168,18 @@ def _picture(path: Path) -> str:
     with Image.open(path) as picture:
         for frame in ImageSequence.Iterator(picture):
             frame.load()
-    return "" if path.read_bytes().endswith(_LAST[path.suffix]) else "its end is missing"  # which no reader needs
+    return (
+        "" if path.read_bytes().endswith(_LAST[path.suffix]) else "its end is missing"
+    )  # which no reader needs
 
 
 def _document(path: Path) -> str:
     data = path.read_bytes()
-    return "" if data.startswith(b"%PDF-") and data.endswith(_LAST[".pdf"]) else "its beginning or its end is missing"
+    return (
+        ""
+        if data.startswith(b"%PDF-") and data.endswith(_LAST[".pdf"])
+        else "its beginning or its end is missing"
+    )
 
 
 def _json(path: Path) -> str:

@@ -19,7 +19,11 @@ def interquartile_mean(x: ArrayLike, axis: int = 0) -> float | np.ndarray:
 
 
 def bootstrap_interval(
-    x: ArrayLike, statistic: Callable, rng: np.random.Generator, resamples: int = 9_999, confidence: float = 0.95
+    x: ArrayLike,
+    statistic: Callable,
+    rng: np.random.Generator,
+    resamples: int = 9_999,
+    confidence: float = 0.95,
 ) -> tuple[float, float]:
     """Bootstrap interval (BCa) of a statistic of the runs x.
 
@@ -39,7 +43,14 @@ def bootstrap_interval(
     x, confidence = sample(x, "x"), fraction(confidence, "confidence")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an undefined BCa interval: handled here
-        found = stats.bootstrap((x,), statistic, n_resamples=resamples, confidence_level=confidence, method="BCa", rng=rng)
+        found = stats.bootstrap(
+            (x,),
+            statistic,
+            n_resamples=resamples,
+            confidence_level=confidence,
+            method="BCa",
+            rng=rng,
+        )
     low, high = found.confidence_interval
     if np.isnan(low) or np.isnan(high):
         low, high = percentile_interval(found.bootstrap_distribution, confidence)
@@ -61,11 +72,15 @@ class Summary(NamedTuple):
     iqm_high: float
 
 
-def summary(x: ArrayLike, rng: np.random.Generator, resamples: int = 9_999, confidence: float = 0.95) -> Summary:
+def summary(
+    x: ArrayLike, rng: np.random.Generator, resamples: int = 9_999, confidence: float = 0.95
+) -> Summary:
     """Summary of the runs x (n,), with intervals as `bootstrap_interval` gives them; of zero width when all values are equal."""
     x, confidence = sample(x, "x"), fraction(confidence, "confidence")
     mean = float(x.mean())
-    mean_low, mean_high = stats.t.interval(confidence, x.size - 1, mean, stats.sem(x)) if np.ptp(x) else (mean, mean)
+    mean_low, mean_high = (
+        stats.t.interval(confidence, x.size - 1, mean, stats.sem(x)) if np.ptp(x) else (mean, mean)
+    )
     return Summary(
         x.size,
         mean,
@@ -86,7 +101,13 @@ class Ratio(NamedTuple):
     ci_high: float
 
 
-def ratio_of_means(a: ArrayLike, b: ArrayLike, rng: np.random.Generator, resamples: int = 9_999, confidence: float = 0.95) -> Ratio:
+def ratio_of_means(
+    a: ArrayLike,
+    b: ArrayLike,
+    rng: np.random.Generator,
+    resamples: int = 9_999,
+    confidence: float = 0.95,
+) -> Ratio:
     """mean(a) / mean(b) of two independent groups of runs, with a percentile bootstrap interval; the groups are resampled independently.
 
     The interval is (-inf, inf) when b's mean is not told apart from 0 at this confidence, i.e. when a share (1 - confidence) / 2 or more of its
@@ -95,7 +116,9 @@ def ratio_of_means(a: ArrayLike, b: ArrayLike, rng: np.random.Generator, resampl
     """
     a, b, confidence = sample(a, "a"), sample(b, "b"), fraction(confidence, "confidence")
     if b.mean() == 0:
-        raise ValueError("the ratio of means needs a second group whose mean is not 0; compare the difference of means instead")
+        raise ValueError(
+            "the ratio of means needs a second group whose mean is not 0; compare the difference of means instead"
+        )
     ratio = float(a.mean() / b.mean())
     means_a, means_b = (resampling_counts(x.size, resamples, rng) @ x / x.size for x in (a, b))
     usable = means_b * np.sign(b.mean()) > 0

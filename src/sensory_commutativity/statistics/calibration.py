@@ -28,7 +28,9 @@ def split_rejections(values: ArrayLike, splits: int, alpha: float, rng: np.rando
     return int((p < alpha).sum())  # NaN is not
 
 
-def resampled_rejections(values: ArrayLike, draws: int, alpha: float, rng: np.random.Generator) -> int:
+def resampled_rejections(
+    values: ArrayLike, draws: int, alpha: float, rng: np.random.Generator
+) -> int:
     """How many of `draws` Welch tests have p < alpha, each between two groups of n drawn with replacement from `values` (n,), n >= 4.
 
     Both groups have the distribution of the values and the size that is compared in earnest; halves are smaller, and what one half has of rare

@@ -10,7 +10,9 @@ def sample(x: ArrayLike, name: str, least: int = 2) -> np.ndarray:
     """`x` as float array (n,) of one value per run; ValueError unless it has one axis, n >= `least`, and every value is finite."""
     x = np.asarray(x, float)
     if x.ndim != 1 or x.size < least:
-        raise ValueError(f"{name} must be one value per run, in one dimension, of at least {least} runs; got shape {x.shape}")
+        raise ValueError(
+            f"{name} must be one value per run, in one dimension, of at least {least} runs; got shape {x.shape}"
+        )
     if not np.isfinite(x).all():
         raise ValueError(
             f"{name} has {(~np.isfinite(x)).sum()} values that are not finite: give failed runs the score that the protocol sets for them"

@@ -49,13 +49,23 @@ def welch(a: ArrayLike, b: ArrayLike, confidence: float = 0.95) -> Welch:
         signed = np.copysign(np.inf, d) if d else 0.0
         return Welch(float(signed), float(n + m - 2), float(d == 0), d, d, d, float(signed))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # "precision loss" when one group is constant
+        warnings.simplefilter(
+            "ignore", RuntimeWarning
+        )  # "precision loss" when one group is constant
         test = stats.ttest_ind(a, b, equal_var=False)
     low, high = test.confidence_interval(confidence)
     difference = float(a.mean() - b.mean())
     pooled = np.sqrt(((n - 1) * a.var(ddof=1) + (m - 1) * b.var(ddof=1)) / (n + m - 2))
     g = difference / pooled * (1 - 3 / (4 * (n + m - 2) - 1))
-    return Welch(float(test.statistic), float(test.df), float(test.pvalue), difference, float(low), float(high), float(g))
+    return Welch(
+        float(test.statistic),
+        float(test.df),
+        float(test.pvalue),
+        difference,
+        float(low),
+        float(high),
+        float(g),
+    )
 
 
 class Simultaneous(NamedTuple):
@@ -67,7 +77,9 @@ class Simultaneous(NamedTuple):
     ci_high: float
 
 
-def games_howell(groups: Mapping[str, ArrayLike], confidence: float = 0.95) -> dict[tuple[str, str], Simultaneous]:
+def games_howell(
+    groups: Mapping[str, ArrayLike], confidence: float = 0.95
+) -> dict[tuple[str, str], Simultaneous]:
     """Games and Howell's comparison of all pairs of two or more groups, whose variances and sizes may differ.
 
     `groups` maps names to one value per run, float (n,). Keys of the result are pairs (a, b) in the order of `groups`, for mean(a) - mean(b). A
@@ -84,9 +96,16 @@ def games_howell(groups: Mapping[str, ArrayLike], confidence: float = 0.95) -> d
     for (i, (name_a, a)), (j, (name_b, b)) in combinations(enumerate(values.items()), 2):
         if np.ptp(a) == np.ptp(b) == 0:
             alone = welch(a, b)
-            found[name_a, name_b] = Simultaneous(alone.difference, alone.p, alone.ci_low, alone.ci_high)
+            found[name_a, name_b] = Simultaneous(
+                alone.difference, alone.p, alone.ci_low, alone.ci_high
+            )
         else:
-            found[name_a, name_b] = Simultaneous(*(float(x[i, j]) for x in (test.statistic, test.pvalue, interval.low, interval.high)))
+            found[name_a, name_b] = Simultaneous(
+                *(
+                    float(x[i, j])
+                    for x in (test.statistic, test.pvalue, interval.low, interval.high)
+                )
+            )
     return found
 
 
@@ -111,7 +130,13 @@ class Improvement(NamedTuple):
     ci_high: float
 
 
-def probability_of_improvement(a: ArrayLike, b: ArrayLike, rng: np.random.Generator, resamples: int = 9_999, confidence: float = 0.95) -> Improvement:
+def probability_of_improvement(
+    a: ArrayLike,
+    b: ArrayLike,
+    rng: np.random.Generator,
+    resamples: int = 9_999,
+    confidence: float = 0.95,
+) -> Improvement:
     """P(a > b) + P(a = b) / 2 = U / (n m) of two groups (n,), (m,), with a percentile bootstrap interval (Agarwal et al. 2021).
 
     The groups are resampled independently. Where smaller is better, swap them. When the groups do not overlap, no resample does, and the interval
@@ -124,7 +149,9 @@ def probability_of_improvement(a: ArrayLike, b: ArrayLike, rng: np.random.Genera
     return Improvement(float(wins.mean()), *percentile_interval(resampled, confidence))
 
 
-def permutation(a: ArrayLike, b: ArrayLike, rng: np.random.Generator, resamples: int = 9_999) -> float:
+def permutation(
+    a: ArrayLike, b: ArrayLike, rng: np.random.Generator, resamples: int = 9_999
+) -> float:
     """Two-sided p of a permutation test of the difference of means of two groups (n,), (m,).
 
     Twice the smaller tail, at most 1. All ways to divide the runs are counted where there are at most `resamples`; otherwise that many random ones
@@ -134,5 +161,11 @@ def permutation(a: ArrayLike, b: ArrayLike, rng: np.random.Generator, resamples:
     def difference(x: np.ndarray, y: np.ndarray, axis: int) -> np.ndarray:
         return x.mean(axis=axis) - y.mean(axis=axis)
 
-    test = stats.permutation_test((sample(a, "a"), sample(b, "b")), difference, vectorized=True, n_resamples=resamples, rng=rng)
+    test = stats.permutation_test(
+        (sample(a, "a"), sample(b, "b")),
+        difference,
+        vectorized=True,
+        n_resamples=resamples,
+        rng=rng,
+    )
     return float(test.pvalue)

@@ -18,7 +18,9 @@ class OrderAgreement(NamedTuple):
     ci_high: float
 
 
-def order_agreement(a: np.ndarray, b: np.ndarray, rng: np.random.Generator, paired: bool, resamples: int = 2_000) -> OrderAgreement:
+def order_agreement(
+    a: np.ndarray, b: np.ndarray, rng: np.random.Generator, paired: bool, resamples: int = 2_000
+) -> OrderAgreement:
     """Kendall's tau-b between the column means of `a` and of `b`.
 
     Parameters
@@ -35,10 +37,14 @@ def order_agreement(a: np.ndarray, b: np.ndarray, rng: np.random.Generator, pair
     """
     a, b = np.asarray(a, float), np.asarray(b, float)
     if a.ndim != 2 or b.ndim != 2 or a.shape[1] != b.shape[1] or (paired and len(a) != len(b)):
-        raise ValueError(f"two orders of the same things are needed; got arrays of shapes {a.shape} and {b.shape}")
+        raise ValueError(
+            f"two orders of the same things are needed; got arrays of shapes {a.shape} and {b.shape}"
+        )
     counts = resampling_counts(len(a), resamples, rng)
     others = counts if paired else resampling_counts(len(b), resamples, rng)
-    taus = np.array([_tau(x, y) for x, y in zip(counts @ a / len(a), others @ b / len(b), strict=True)])
+    taus = np.array(
+        [_tau(x, y) for x, y in zip(counts @ a / len(a), others @ b / len(b), strict=True)]
+    )
     taus = taus[np.isfinite(taus)]
     interval = percentile_interval(taus, 0.95) if taus.size else (float("nan"), float("nan"))
     return OrderAgreement(_tau(a.mean(axis=0), b.mean(axis=0)), *interval)
@@ -47,4 +53,6 @@ def order_agreement(a: np.ndarray, b: np.ndarray, rng: np.random.Generator, pair
 def _tau(x: np.ndarray, y: np.ndarray) -> float:
     if np.ptp(x) == 0 or np.ptp(y) == 0:
         return float("nan")
-    return float(kendalltau(np.round(x, 9), np.round(y, 9)).statistic)  # rounded: sums in another order are ties still
+    return float(
+        kendalltau(np.round(x, 9), np.round(y, 9)).statistic
+    )  # rounded: sums in another order are ties still

@@ -26,14 +26,18 @@ def mcnemar(a: np.ndarray, b: np.ndarray) -> McNemar:
     """
     a, b = np.asarray(a, bool), np.asarray(b, bool)
     if a.shape != b.shape or a.size == 0:
-        raise ValueError(f"a paired test needs two arrays of equal, non-zero length; got shapes {a.shape} and {b.shape}")
+        raise ValueError(
+            f"a paired test needs two arrays of equal, non-zero length; got shapes {a.shape} and {b.shape}"
+        )
     only_a, only_b = int((a & ~b).sum()), int((b & ~a).sum())
     discordant = only_a + only_b
     p = float(binomtest(only_a, discordant).pvalue) if discordant else 1.0
     return McNemar(only_a, only_b, (only_a - only_b) / a.size, p)
 
 
-def paired_difference_interval(only_a: int, only_b: int, n: int, confidence: float = 0.95) -> tuple[float, float]:
+def paired_difference_interval(
+    only_a: int, only_b: int, n: int, confidence: float = 0.95
+) -> tuple[float, float]:
     """Interval for the difference of two paired proportions (Agresti and Min 2005: Wald after adding half a pair to each cell)."""
     from scipy.stats import norm
 

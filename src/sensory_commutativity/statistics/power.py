@@ -25,7 +25,9 @@ def power_of_t_test(d: float, n: float, alpha: float) -> float:
     """Probability of p < alpha when the means differ by `d` standard deviations and both groups have `n` >= 2 runs."""
     fraction(alpha, "alpha")
     if math.isnan(d) or not n >= 2:
-        raise ValueError(f"power needs an effect size and at least 2 runs in each group; got d = {d}, n = {n}")
+        raise ValueError(
+            f"power needs an effect size and at least 2 runs in each group; got d = {d}, n = {n}"
+        )
     d = min(abs(d), _LARGEST_EFFECT)
     if d < _SMALLEST_EFFECT:
         return float(alpha)
@@ -50,9 +52,13 @@ def runs_needed(d: float, alpha: float, power: float = 0.8) -> float:
         return 2.0
     if missing(MOST_RUNS) < 0:
         return math.inf
-    return float(math.ceil(brentq(missing, 2, MOST_RUNS) - 1e-6))  # less than the root finder's error is not another run
+    return float(
+        math.ceil(brentq(missing, 2, MOST_RUNS) - 1e-6)
+    )  # less than the root finder's error is not another run
 
 
 def _check_power(alpha: float, power: float) -> None:
     if not fraction(alpha, "alpha") < fraction(power, "power"):
-        raise ValueError(f"a test at level {alpha} has at least that power for any effect; ask for more than {power}")
+        raise ValueError(
+            f"a test at level {alpha} has at least that power for any effect; ask for more than {power}"
+        )

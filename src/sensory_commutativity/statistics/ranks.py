@@ -17,7 +17,9 @@ class RankCorrelation(NamedTuple):
     p: float  # two-sided, permutation test of Spearman's coefficient
 
 
-def rank_correlation(x: np.ndarray, y: np.ndarray, rng: np.random.Generator, permutations: int = 9_999) -> RankCorrelation:
+def rank_correlation(
+    x: np.ndarray, y: np.ndarray, rng: np.random.Generator, permutations: int = 9_999
+) -> RankCorrelation:
     """Spearman's rho with a permutation test, and Kendall's tau-b, of two arrays (n,); NaN and p = 1 where one of them is constant."""
     x, y = np.asarray(x, float), np.asarray(y, float)
     if np.ptp(x) == 0 or np.ptp(y) == 0:

@@ -26,7 +26,9 @@ class SurvivalCurve(NamedTuple):
 class LogRank(NamedTuple):
     """Outcome of a log-rank test of two groups, a and b."""
 
-    statistic: float  # standard normal under the null hypothesis; positive when a reaches the event sooner
+    statistic: (
+        float  # standard normal under the null hypothesis; positive when a reaches the event sooner
+    )
     p: float  # two-sided
 
 
@@ -65,7 +67,12 @@ def kaplan_meier(times: ArrayLike, observed: ArrayLike, confidence: float = 0.95
     high = np.where(everybody, np.minimum(high, np.append(1.0, high[:-1])), high)
 
     columns = (curve.quantiles, at_risk, events, survival, low, high)
-    return SurvivalCurve(*(np.append(first, column) for first, column in zip((0.0, len(times), 0, 1.0, 1.0, 1.0), columns, strict=True)))
+    return SurvivalCurve(
+        *(
+            np.append(first, column)
+            for first, column in zip((0.0, len(times), 0, 1.0, 1.0, 1.0), columns, strict=True)
+        )
+    )
 
 
 def median_time(time: ArrayLike, survival: ArrayLike) -> float:
@@ -74,13 +81,18 @@ def median_time(time: ArrayLike, survival: ArrayLike) -> float:
     return float(np.asarray(time)[reached.argmax()]) if reached.any() else float("nan")
 
 
-def log_rank(times_a: ArrayLike, observed_a: ArrayLike, times_b: ArrayLike, observed_b: ArrayLike) -> LogRank:
+def log_rank(
+    times_a: ArrayLike, observed_a: ArrayLike, times_b: ArrayLike, observed_b: ArrayLike
+) -> LogRank:
     """Two-sided log-rank test of two groups; times and observed as in `kaplan_meier`.
 
     Statistic 0 and p 1 where the data cannot tell: nothing was observed, or at every event one of the groups has nobody at risk or all runs have it
     at once.
     """
-    (times_a, observed_a), (times_b, observed_b) = _checked(times_a, observed_a), _checked(times_b, observed_b)
+    (times_a, observed_a), (times_b, observed_b) = (
+        _checked(times_a, observed_a),
+        _checked(times_b, observed_b),
+    )
     reached = np.append(times_a[observed_a], times_b[observed_b])
     when, events = np.unique(reached, return_counts=True)
     risk_a, risk_b = ((times[:, None] >= when).sum(axis=0) for times in (times_a, times_b))
@@ -98,7 +110,11 @@ def _checked(times: ArrayLike, observed: ArrayLike) -> tuple[np.ndarray, np.ndar
     """Times float (n,) and observed bool (n,), or ValueError."""
     times, observed = sample(times, "times", least=1), np.asarray(observed)
     if (times < 0).any():
-        raise ValueError(f"times must not be negative: count them from the start of the run; got {times.min()}")
+        raise ValueError(
+            f"times must not be negative: count them from the start of the run; got {times.min()}"
+        )
     if observed.shape != times.shape or not np.isin(observed, (0, 1)).all():
-        raise ValueError(f"observed must say yes or no for each of the {times.size} times; got {observed.dtype} of shape {observed.shape}")
+        raise ValueError(
+            f"observed must say yes or no for each of the {times.size} times; got {observed.dtype} of shape {observed.shape}"
+        )
     return times, observed.astype(bool)

@@ -50,10 +50,20 @@ class StratifiedComparison(NamedTuple):
     p: float  # two-sided, Cochran-Mantel-Haenszel
 
 
-def mantel_haenszel(successes_a: np.ndarray, n_a: np.ndarray, successes_b: np.ndarray, n_b: np.ndarray) -> StratifiedComparison:
+def mantel_haenszel(
+    successes_a: np.ndarray, n_a: np.ndarray, successes_b: np.ndarray, n_b: np.ndarray
+) -> StratifiedComparison:
     """Cochran-Mantel-Haenszel test of two independent groups over k strata; counts are int (k,)."""
-    tables = np.array([[successes_a, np.subtract(n_a, successes_a)], [successes_b, np.subtract(n_b, successes_b)]], float)  # (2, 2, k)
-    informative = (tables.sum(axis=0) > 0).all(axis=0)  # strata in which something commuted and something did not
+    tables = np.array(
+        [
+            [successes_a, np.subtract(n_a, successes_a)],
+            [successes_b, np.subtract(n_b, successes_b)],
+        ],
+        float,
+    )  # (2, 2, k)
+    informative = (tables.sum(axis=0) > 0).all(
+        axis=0
+    )  # strata in which something commuted and something did not
     if not informative.any():
         return StratifiedComparison(1.0, 1.0)
     table = StratifiedTable(tables[:, :, informative])

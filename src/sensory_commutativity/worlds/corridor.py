@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .base import Dof
+from ..scp.world import Dof
 
 Place = tuple[int, int, float]
 """Where the agent is, where the box is (-1: there is none), how far the eyelid is open."""
@@ -52,10 +52,14 @@ class Corridor:
 
     def step(self, action: np.ndarray) -> None:
         if np.shape(action) != (len(self.dofs),):
-            raise ValueError(f"an action has {len(self.dofs)} elements, one per degree of freedom; got an array of shape {np.shape(action)}")
+            raise ValueError(
+                f"an action has {len(self.dofs)} elements, one per degree of freedom; got an array of shape {np.shape(action)}"
+            )
         agent, box, eyelid = self._place
         to = agent + int(np.sign(action[0]))
-        if to == box != -1 and to > agent:  # a box in front is pushed ahead, unless it stands against the wall
+        if (
+            to == box != -1 and to > agent
+        ):  # a box in front is pushed ahead, unless it stands against the wall
             if box + 1 <= self._wall:
                 agent, box = to, box + 1
         elif to <= self._wall:

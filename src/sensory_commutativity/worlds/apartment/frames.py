@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from .scene import Quaternion, Vector
+from .scenes.scene import Quaternion, Vector
 
 
 def from_rpy(position: Vector = (0.0, 0.0, 0.0), rpy: Vector = (0.0, 0.0, 0.0)) -> np.ndarray:
@@ -29,7 +29,9 @@ def to_rpy(frame: np.ndarray) -> tuple[float, float, float]:
     """Roll, pitch and yaw of a frame."""
     r = frame[:3, :3]
     pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
-    if math.hypot(r[0, 0], r[1, 0]) < 1e-9:  # looking straight up or down: roll and yaw turn about the same axis, so all is put into roll
+    if (
+        math.hypot(r[0, 0], r[1, 0]) < 1e-9
+    ):  # looking straight up or down: roll and yaw turn about the same axis, so all is put into roll
         return math.atan2(-r[1, 2], r[1, 1]), pitch, 0.0
     return math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0])
 
@@ -58,7 +60,9 @@ def to_quaternion(frame: np.ndarray) -> Quaternion:
 def turned(axis: np.ndarray, angle: float) -> np.ndarray:
     """The frame that is turned by `angle` about the unit vector `axis`: float64 (4, 4)."""
     half = math.sin(angle / 2)
-    return from_quaternion((0.0, 0.0, 0.0), (axis[0] * half, axis[1] * half, axis[2] * half, math.cos(angle / 2)))
+    return from_quaternion(
+        (0.0, 0.0, 0.0), (axis[0] * half, axis[1] * half, axis[2] * half, math.cos(angle / 2))
+    )
 
 
 def shifted(axis: np.ndarray, distance: float) -> np.ndarray:

@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .camera import Camera, Piece, Renderer
-from .robot import Robot
-from .scene import IDENTITIES, Scene
-from .simulation import Simulation
-from .starts import draw_start
-from .states import Situation
+from .physics.simulation import Simulation
+from .physics.starts import draw_start
+from .physics.states import Situation
+from .rendering.camera import Camera, Piece, Renderer
+from .robots.robot import Robot
+from .scenes.scene import IDENTITIES, Scene
 
 
 class Happened(NamedTuple):
@@ -72,11 +72,22 @@ class ApartmentWorld:
     simulation : Simulation
     """
 
-    def __init__(self, scene: Scene, robot: Robot, cameras: Sequence[Camera] | None = None, within: float | None = None):
+    def __init__(
+        self,
+        scene: Scene,
+        robot: Robot,
+        cameras: Sequence[Camera] | None = None,
+        within: float | None = None,
+    ):
         self.scene, self.robot, self.dofs = scene, robot, robot.dofs
-        self.cameras, self.within = tuple(cameras or [Camera(field_of_view=robot.description.camera.field_of_view)]), within
+        self.cameras, self.within = (
+            tuple(cameras or [Camera(field_of_view=robot.description.camera.field_of_view)]),
+            within,
+        )
         self.simulation = Simulation(scene, robot)
-        self.renderer = Renderer(pieces(self.simulation), 1 + len(scene.movables) + len(self.simulation.body.parents))
+        self.renderer = Renderer(
+            pieces(self.simulation), 1 + len(scene.movables) + len(self.simulation.body.parents)
+        )
         self._clearance = float("nan")
 
     def reset(self, rng: np.random.Generator) -> None:
@@ -118,5 +129,12 @@ def pieces(simulation: Simulation, overhead: bool = True) -> list[Piece]:
         if overhead or not fixture.overhead
         for part in fixture.parts
     ]
-    found += [Piece(part, IDENTITIES["movable"] + i, 1 + i) for i, movable in enumerate(scene.movables) for part in movable.parts]
-    return found + [Piece(part, IDENTITIES["robot"], 1 + len(scene.movables) + link) for link, part in simulation.body.parts]
+    found += [
+        Piece(part, IDENTITIES["movable"] + i, 1 + i)
+        for i, movable in enumerate(scene.movables)
+        for part in movable.parts
+    ]
+    return found + [
+        Piece(part, IDENTITIES["robot"], 1 + len(scene.movables) + link)
+        for link, part in simulation.body.parts
+    ]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Dof
+from ...scp.world import Dof
 
 N_LINKS = 5
 """Rigid bodies of the agent: base, left upper arm, left forearm, right upper arm, right forearm."""
@@ -35,10 +35,14 @@ class Polyphemus:
     arm_length: float = 50.0  # authors; length of each of an arm's two segments
     arm_width: float = 5.0  # authors
     arm_mass: float = 1.0  # authors; of each segment
-    shoulder_rest: float = math.radians(60)  # chosen: arms open to the front, at rest just outside the field of view
+    shoulder_rest: float = math.radians(
+        60
+    )  # chosen: arms open to the front, at rest just outside the field of view
     elbow_rest: float = math.radians(-30)  # chosen: slightly bent inwards
     joint_range: float = math.inf  # chosen: either way from rest; a stop does not commute, and the authors' pi/3 is hit in most sequences
-    longitudinal_speed: float = 8.0  # chosen: the authors' base is pushed to about 4 and coasts; this one stops at once
+    longitudinal_speed: float = (
+        8.0  # chosen: the authors' base is pushed to about 4 and coasts; this one stops at once
+    )
     angular_speed: float = 0.25  # authors; base, head and arm joints alike
     eyelid_speed: float = 1 / 20  # authors
     eyelid_range: tuple[float, float] = (0.0, 2.0)  # authors; starts at 1, multiplies what is seen
@@ -50,7 +54,9 @@ class Polyphemus:
     def dofs(self) -> tuple[Dof, ...]:
         """The eight degrees of freedom, in the order of the action vector."""
         turn = self.angular_speed
-        joints = tuple(Dof(name, "rad", turn, -self.joint_range, self.joint_range) for name in JOINT_NAMES)
+        joints = tuple(
+            Dof(name, "rad", turn, -self.joint_range, self.joint_range) for name in JOINT_NAMES
+        )
         low, high = self.eyelid_range
         return (
             Dof("base-longitudinal", "units", self.longitudinal_speed),
@@ -82,7 +88,10 @@ class Polyphemus:
             angle = heading
             for segment in (0, 1):
                 angle += self.rest_angles[2 * side + segment]
-                dx, dy = math.cos(angle) * self.arm_length / 2, math.sin(angle) * self.arm_length / 2
+                dx, dy = (
+                    math.cos(angle) * self.arm_length / 2,
+                    math.sin(angle) * self.arm_length / 2,
+                )
                 poses[1 + 2 * side + segment] = joint_x + dx, joint_y + dy, angle
                 joint_x, joint_y = joint_x + 2 * dx, joint_y + 2 * dy
         return poses

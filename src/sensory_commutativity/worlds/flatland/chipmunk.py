@@ -50,17 +50,23 @@ class Channel:
     """
 
     def __init__(self, fields: BodyFields):
-        self.values = np.zeros(16)  # more than the nine numbers a body has: Chipmunk must never reallocate it
+        self.values = np.zeros(
+            16
+        )  # more than the nine numbers a body has: Chipmunk must never reallocate it
         self._buffer = Buffer()
         self._buffer.set_float_buf(self.values)
         self._data = ffi.new("pmBatchedData *")
         self._data.fields = fields.value
         self._data.floatArray = self._buffer._float_arr
         self._data.intArray = self._buffer._int_arr
-        self.cursor = np.frombuffer(ffi.buffer(ffi.addressof(self._buffer._float_arr, "num")), np.int32)
+        self.cursor = np.frombuffer(
+            ffi.buffer(ffi.addressof(self._buffer._float_arr, "num")), np.int32
+        )
         self.address = _address(self._data)
 
 
-POSE_AND_VELOCITY = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
+POSE_AND_VELOCITY = (
+    BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
+)
 POSITION_AND_FORCE = BodyFields.POSITION | BodyFields.FORCE | BodyFields.TORQUE
 VELOCITY = BodyFields.VELOCITY

@@ -24,7 +24,9 @@ from .room import path_point
 SUBSTEPS = 4  # authors: four sub-steps of 1/4 per action
 DT = 1.0 / SUBSTEPS
 GRID = 2.0**20  # chosen: sums of commands are exact; 1e-6 of a unit or rad is far below a pixel
-SLACK = np.array([0.5, 0.5, 0.02, 0.02, 0.02, 0.02, 0.02])  # chosen: units, units, rad...; joints below one pixel (0.0245 rad)
+SLACK = np.array(
+    [0.5, 0.5, 0.02, 0.02, 0.02, 0.02, 0.02]
+)  # chosen: units, units, rad...; joints below one pixel (0.0245 rad)
 CORRECTION = 0.5  # chosen: a body that lags may be driven this much faster than the agent's top speed to keep up
 
 # places in a world's inner state, float64 (INNER,)
@@ -92,7 +94,20 @@ class Paths(NamedTuple):
 
 
 @njit()
-def advance(step_space, read_body, write_body, wiring, body, paths, scene, inner, pose, actions, every_step, seen):
+def advance(
+    step_space,
+    read_body,
+    write_body,
+    wiring,
+    body,
+    paths,
+    scene,
+    inner,
+    pose,
+    actions,
+    every_step,
+    seen,
+):
     """Play `actions` and look.
 
     Parameters
@@ -115,11 +130,15 @@ def advance(step_space, read_body, write_body, wiring, body, paths, scene, inner
         for k in range(len(action)):
             action[k] = _clip(actions[t, k], -1.0, 1.0) * body.speeds[k]
         inner[HEAD] += _on_grid(action[2])
-        inner[EYELID] = _clip(inner[EYELID] + _on_grid(action[3]), body.eyelid_low, body.eyelid_high)
+        inner[EYELID] = _clip(
+            inner[EYELID] + _on_grid(action[3]), body.eyelid_low, body.eyelid_high
+        )
         inner[TIME] += 1.0
         _move_things(read_body, write_body, wiring, paths, inner[TIME])
         for _ in range(SUBSTEPS):
-            for i in range(N_LINKS):  # where the links are, and where Chipmunk will have put them before it solves
+            for i in range(
+                N_LINKS
+            ):  # where the links are, and where Chipmunk will have put them before it solves
                 _read(read_body, wiring.links[i], wiring)
                 for k in range(6):
                     now[i, k] = wiring.state[k]
@@ -128,16 +147,35 @@ def advance(step_space, read_body, write_body, wiring, body, paths, scene, inner
             base_vx, base_vy, base_w = _drive_base(inner, ahead, action, body.speeds)
             _drive_joints(inner, ahead, action, body, joint_rate)
             _force(write_body, wiring, body, 0, now, now[0, 0], now[0, 1], base_vx, base_vy, base_w)
-            for side in range(2):  # velocities and places of a rigid linkage, from the base outwards
+            for side in range(
+                2
+            ):  # velocities and places of a rigid linkage, from the base outwards
                 sign = 1.0 if side == 0 else -1.0
-                x_to, y_to = -sign * body.base_radius * math.sin(ahead[0, 2]), sign * body.base_radius * math.cos(ahead[0, 2])
+                x_to, y_to = (
+                    -sign * body.base_radius * math.sin(ahead[0, 2]),
+                    sign * body.base_radius * math.cos(ahead[0, 2]),
+                )
                 x, y = ahead[0, 0] + x_to, ahead[0, 1] + y_to
                 vx, vy, w = base_vx - base_w * y_to, base_vy + base_w * x_to, base_w
                 for i in range(1 + 2 * side, 3 + 2 * side):
                     w += joint_rate[i - 1]
-                    x_to, y_to = body.arm_length / 2 * math.cos(ahead[i, 2]), body.arm_length / 2 * math.sin(ahead[i, 2])
+                    x_to, y_to = (
+                        body.arm_length / 2 * math.cos(ahead[i, 2]),
+                        body.arm_length / 2 * math.sin(ahead[i, 2]),
+                    )
                     place_x, place_y = x + x_to - now[i, 3] * DT, y + y_to - now[i, 4] * DT
-                    _force(write_body, wiring, body, i, now, place_x, place_y, vx - w * y_to, vy + w * x_to, w)
+                    _force(
+                        write_body,
+                        wiring,
+                        body,
+                        i,
+                        now,
+                        place_x,
+                        place_y,
+                        vx - w * y_to,
+                        vy + w * x_to,
+                        w,
+                    )
                     x, y = x + 2 * x_to, y + 2 * y_to
                     vx, vy = vx - w * 2 * y_to, vy + w * 2 * x_to
             step_space(wiring.space, DT)
@@ -152,7 +190,10 @@ def _drive_base(inner, ahead, action, speeds):
     """Move the base's target and return the velocity (x, y, angular) that leads to it."""
     turn = _on_grid(action[1] * DT)
     heading = _within(inner[2], ahead[0, 2], SLACK[2])
-    move_x, move_y = _on_grid(action[0] * DT * math.cos(heading)), _on_grid(action[0] * DT * math.sin(heading))
+    move_x, move_y = (
+        _on_grid(action[0] * DT * math.cos(heading)),
+        _on_grid(action[0] * DT * math.sin(heading)),
+    )
     inner[0] = _within(inner[0], ahead[0, 0], SLACK[0]) + move_x
     inner[1] = _within(inner[1], ahead[0, 1], SLACK[1]) + move_y
     inner[2] = heading + turn
@@ -169,7 +210,11 @@ def _drive_joints(inner, ahead, action, body, out):
     for j in range(4):
         angle = ahead[j + 1, 2] - ahead[PARENT[j + 1], 2]
         start = _within(inner[3 + j], angle, SLACK[3 + j])
-        inner[3 + j] = _clip(start + _on_grid(body.joint_signs[j] * action[4 + j] * DT), body.joint_low[j], body.joint_high[j])
+        inner[3 + j] = _clip(
+            start + _on_grid(body.joint_signs[j] * action[4 + j] * DT),
+            body.joint_low[j],
+            body.joint_high[j],
+        )
         out[j] = _velocity(inner[3 + j] - angle, inner[3 + j] - start, body.speeds[4 + j])
 
 

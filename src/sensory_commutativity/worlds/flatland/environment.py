@@ -80,15 +80,24 @@ class FlatlandEnv(gym.Env):
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012  (Gymnasium's own form)
 
-    def __init__(self, room: Room | None = None, agent: Polyphemus | None = None, render_mode: str | None = None):
+    def __init__(
+        self,
+        room: Room | None = None,
+        agent: Polyphemus | None = None,
+        render_mode: str | None = None,
+    ):
         if render_mode not in (None, *self.metadata["render_modes"]):
-            raise ValueError(f"render_mode must be None or one of {self.metadata['render_modes']}, got {render_mode!r}")
+            raise ValueError(
+                f"render_mode must be None or one of {self.metadata['render_modes']}, got {render_mode!r}"
+            )
         self.world = FlatlandWorld(room, agent)
         self.render_mode = render_mode
         self.action_space = action_space(self.world.agent)
         self.observation_space = observation_space(self.world.agent)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
         super().reset(seed=seed)
         self.world.reset(self.np_random)
         return self.world.observe(), {}

@@ -89,7 +89,11 @@ def look(scene, eye, eyelid, pose, out):
     shown = np.empty((len(vertices) + walls.shape[0], 3), np.uint8)  # colours through the eyelid
     for i in range(shown.shape[0]):
         for channel in range(3):
-            value = scene.colour[i, channel] if i < len(vertices) else scene.wall_colour[i - len(vertices), channel]
+            value = (
+                scene.colour[i, channel]
+                if i < len(vertices)
+                else scene.wall_colour[i - len(vertices), channel]
+            )
             shown[i, channel] = np.uint8(min(255.0, value * eyelid + 0.5))
     for j in range(pixels):
         if hit[j] < 0:

@@ -18,14 +18,26 @@ from .agent import Polyphemus
 
 FIXED, MOVABLE, MOVING = 0, 1, 2
 KIND_NAMES = ("fixed", "movable", "moving")
-KIND_CYCLE = (MOVABLE, FIXED, MOVABLE, MOVING)  # chosen: four things hold every kind, and most can be moved
-SHAPE_CYCLE = (0, 4, 5, 3)  # authors: discs, boxes, pentagons, triangles; number of vertices, 0 for a disc
+KIND_CYCLE = (
+    MOVABLE,
+    FIXED,
+    MOVABLE,
+    MOVING,
+)  # chosen: four things hold every kind, and most can be moved
+SHAPE_CYCLE = (
+    0,
+    4,
+    5,
+    3,
+)  # authors: discs, boxes, pentagons, triangles; number of vertices, 0 for a disc
 MAX_VERTICES = 5
 PATH_CYCLE = (16, 2, 4)  # authors: circle (as a 16-gon), line, polygon; number of corners
 MAX_CORNERS = 16
 MAX_ATTEMPTS = 10_000
 
-WALL_COLOURS = np.array([(128, 128, 128), (160, 112, 96), (96, 144, 112), (96, 112, 160)], np.uint8)  # chosen: muted, things are vivid
+WALL_COLOURS = np.array(
+    [(128, 128, 128), (160, 112, 96), (96, 144, 112), (96, 112, 160)], np.uint8
+)  # chosen: muted, things are vivid
 
 
 class PlacementError(UserError):
@@ -51,10 +63,15 @@ class Room:
     walls: bool = True  # False: the walls are seen but not solid, space is unbounded
     things: int = 10  # chosen, between the paper's 0 and 12
     wall_thickness: float = 10.0  # chosen; half of it lies inside the room
-    wall_backing: float = 100.0  # chosen: how far a wall goes on outwards, more than a hand can sweep in a sub-step
+    wall_backing: float = (
+        100.0  # chosen: how far a wall goes on outwards, more than a hand can sweep in a sub-step
+    )
     thing_radius: tuple[float, float] = (15.0, 30.0)  # chosen: about the size of the agent's base
     thing_mass: float = 10.0  # authors
-    path_radius: tuple[float, float] = (20.0, 45.0)  # chosen: a moving thing stays in its own corner of the room
+    path_radius: tuple[float, float] = (
+        20.0,
+        45.0,
+    )  # chosen: a moving thing stays in its own corner of the room
     path_speed: float = 2.0  # chosen: a quarter of the agent's
     clearance: float = 1.0  # chosen: nothing touches at the start
     start_margin: float = 150.0  # chosen: the agent's middle starts this far from every wall, just out of its arms' reach (125)
@@ -110,7 +127,12 @@ def draw_situation(room: Room, agent: Polyphemus, rng: np.random.Generator) -> S
     links, outline = _draw_agent(room, agent, rng)
     n = room.things
     kind, vertices, corners = _assortment(n)
-    radius, pose, path, phase = np.empty(n), np.empty((n, 3)), np.zeros((n, MAX_CORNERS, 2)), np.zeros(n)
+    radius, pose, path, phase = (
+        np.empty(n),
+        np.empty((n, 3)),
+        np.zeros((n, MAX_CORNERS, 2)),
+        np.zeros(n),
+    )
     margin = room.clearance + (room.wall_thickness / 2 if room.walls else 0.0)
     failed = _draw_things(
         rng, room.width, room.height, margin, room.clearance, room.thing_radius, room.path_radius,
@@ -134,11 +156,16 @@ def _assortment(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     kind = [KIND_CYCLE[i % len(KIND_CYCLE)] for i in range(n)]
     turn = [i // len(KIND_CYCLE) for i in range(n)]
     vertices = [SHAPE_CYCLE[(i + t) % len(SHAPE_CYCLE)] for i, t in enumerate(turn)]
-    corners = [PATH_CYCLE[t % len(PATH_CYCLE)] if k == MOVING else 0 for k, t in zip(kind, turn, strict=True)]
+    corners = [
+        PATH_CYCLE[t % len(PATH_CYCLE)] if k == MOVING else 0
+        for k, t in zip(kind, turn, strict=True)
+    ]
     return np.array(kind, np.int64), np.array(vertices, np.int64), np.array(corners, np.int64)
 
 
-def _draw_agent(room: Room, agent: Polyphemus, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _draw_agent(
+    room: Room, agent: Polyphemus, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
     """Draw where the agent stands, all of it inside the walls.
 
     Returns its links' poses, float64 (5, 3), and its outline: (x, y, heading), then shoulder, elbow and hand of each arm, (x, y), float64 (7, 3).
@@ -152,14 +179,21 @@ def _draw_agent(room: Room, agent: Polyphemus, rng: np.random.Generator) -> tupl
         links = agent.link_poses(x, y, heading)
         half = agent.arm_length / 2 * np.stack([np.cos(links[1:, 2]), np.sin(links[1:, 2])], 1)
         starts, ends = links[1:, :2] - half, links[1:, :2] + half
-        points = np.concatenate([links[:1, :2], starts[[0]], ends[[0, 1]], starts[[2]], ends[[2, 3]]])
+        points = np.concatenate(
+            [links[:1, :2], starts[[0]], ends[[0, 1]], starts[[2]], ends[[2, 3]]]
+        )
         reach = margin + np.array([agent.base_radius] + 6 * [agent.arm_width / 2])[:, None]
-        marked = any(math.hypot(x - mark.x, y - mark.y) <= mark.radius + agent.base_radius + room.clearance for mark in room.marks)
+        marked = any(
+            math.hypot(x - mark.x, y - mark.y) <= mark.radius + agent.base_radius + room.clearance
+            for mark in room.marks
+        )
         if not marked and (points >= reach).all() and (points <= limit - reach).all():
             outline = np.zeros((7, 3))
             outline[:, :2], outline[0, 2] = points, heading
             return links, outline
-    raise PlacementError(f"the agent does not fit into a room of {room.width:g} x {room.height:g}; make the room larger or the arms shorter")
+    raise PlacementError(
+        f"the agent does not fit into a room of {room.width:g} x {room.height:g}; make the room larger or the arms shorter"
+    )
 
 
 def _colours(n: int, first_hue: float) -> np.ndarray:
@@ -167,7 +201,9 @@ def _colours(n: int, first_hue: float) -> np.ndarray:
     golden = (math.sqrt(5) - 1) / 2
     hue = (first_hue + golden * np.arange(n)[:, None]) % 1.0
     saturation = np.where(np.arange(n)[:, None] % 2 == 0, 1.0, 0.6)
-    pure = np.clip(np.abs((6 * hue + (0.0, 4.0, 2.0)) % 6 - 3) - 1, 0.0, 1.0)  # from hue to red, green and blue
+    pure = np.clip(
+        np.abs((6 * hue + (0.0, 4.0, 2.0)) % 6 - 3) - 1, 0.0, 1.0
+    )  # from hue to red, green and blue
     return np.round(255 * (1 - saturation * (1 - pure))).astype(np.uint8)
 
 
@@ -181,7 +217,23 @@ def _segment_distance(px, py, ax, ay, bx, by):
 
 
 @njit()
-def _draw_things(rng, width, height, margin, clearance, radii, path_radii, outline, base_radius, arm_half_width, corners, radius, pose, path, phase):
+def _draw_things(
+    rng,
+    width,
+    height,
+    margin,
+    clearance,
+    radii,
+    path_radii,
+    outline,
+    base_radius,
+    arm_half_width,
+    corners,
+    radius,
+    pose,
+    path,
+    phase,
+):
     """Fill `radius`, `pose`, `path` and `phase` thing by thing; return the first thing that found no place, or -1."""
     n = len(radius)
     centre, footprint = np.empty((n, 2)), np.empty(n)
@@ -195,12 +247,20 @@ def _draw_things(rng, width, height, margin, clearance, radii, path_radii, outli
             y = rng.uniform(0.0, height)
             if min(x, y, width - x, height - y) < reach + margin:
                 continue
-            free = math.hypot(x - outline[0, 0], y - outline[0, 1]) > reach + base_radius + clearance
+            free = (
+                math.hypot(x - outline[0, 0], y - outline[0, 1]) > reach + base_radius + clearance
+            )
             for a, b in ((1, 2), (2, 3), (4, 5), (5, 6)):
-                gap = _segment_distance(x, y, outline[a, 0], outline[a, 1], outline[b, 0], outline[b, 1])
+                gap = _segment_distance(
+                    x, y, outline[a, 0], outline[a, 1], outline[b, 0], outline[b, 1]
+                )
                 free = free and gap > reach + arm_half_width + clearance
             for j in range(i):
-                free = free and math.hypot(x - centre[j, 0], y - centre[j, 1]) > reach + footprint[j] + clearance
+                free = (
+                    free
+                    and math.hypot(x - centre[j, 0], y - centre[j, 1])
+                    > reach + footprint[j] + clearance
+                )
             if not free:
                 continue
             placed = True
@@ -210,7 +270,10 @@ def _draw_things(rng, width, height, margin, clearance, radii, path_radii, outli
             if corners[i] > 0:
                 for k in range(corners[i]):
                     direction = angle + 2 * math.pi * k / corners[i]
-                    path[i, k, 0], path[i, k, 1] = x + orbit * math.cos(direction), y + orbit * math.sin(direction)
+                    path[i, k, 0], path[i, k, 1] = (
+                        x + orbit * math.cos(direction),
+                        y + orbit * math.sin(direction),
+                    )
                 phase[i] = rng.uniform(0.0, path_length(path[i], corners[i]))
                 pose[i, 0], pose[i, 1] = path_point(path[i], corners[i], phase[i])
             break

@@ -21,7 +21,22 @@ from .world import FlatlandWorld, Parts
 
 
 @njit()
-def advance_rooms(step_space, read_body, write_body, spaces, wiring, body, paths, scene, inner, pose, actions, rooms, skip, seen):
+def advance_rooms(
+    step_space,
+    read_body,
+    write_body,
+    spaces,
+    wiring,
+    body,
+    paths,
+    scene,
+    inner,
+    pose,
+    actions,
+    rooms,
+    skip,
+    seen,
+):
     """One step of `rooms`; arguments as for :func:`.control.advance` with a first dimension over all rooms, but `body`, which they share.
 
     `skip`, bool (all rooms,), marks rooms that are only looked at.
@@ -75,7 +90,10 @@ class FlatlandVectorEnv(VectorEnv):
         self.max_episode_steps = max_episode_steps
         self._worlds = [FlatlandWorld(room, agent) for _ in range(num_envs)]
         agent = self._worlds[0].agent
-        self.single_action_space, self.single_observation_space = action_space(agent), observation_space(agent)
+        self.single_action_space, self.single_observation_space = (
+            action_space(agent),
+            observation_space(agent),
+        )
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._rngs: list[np.random.Generator] = []
@@ -84,7 +102,9 @@ class FlatlandVectorEnv(VectorEnv):
         self._ended = np.zeros(num_envs, bool)
         self._stacked = False
 
-    def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
         """Reset all rooms. With an integer seed, room i gets seed + i; without a seed the rooms' generators go on."""
         if isinstance(seed, Integral):
             seed = [int(seed) + i for i in range(self.num_envs)]
@@ -92,18 +112,27 @@ class FlatlandVectorEnv(VectorEnv):
             old = self._rngs
             given = seed if seed is not None else [None] * self.num_envs
             if len(given) != self.num_envs:
-                raise ValueError(f"{self.num_envs} rooms need {self.num_envs} seeds, got {len(given)}")
-            self._rngs = [old[i] if old and s is None else seeding.np_random(s)[0] for i, s in enumerate(given)]
+                raise ValueError(
+                    f"{self.num_envs} rooms need {self.num_envs} seeds, got {len(given)}"
+                )
+            self._rngs = [
+                old[i] if old and s is None else seeding.np_random(s)[0]
+                for i, s in enumerate(given)
+            ]
         self._reset_rooms(np.arange(self.num_envs))
         return self._seen.copy(), {}
 
-    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def step(
+        self, actions: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """One step of every room: observations, rewards, terminations, truncations, infos."""
         if not self._stacked:
             raise RuntimeError("the rooms have no situation yet: call reset() first")
         actions = np.asarray(actions, np.float64)
         if actions.shape != self.action_space.shape:
-            raise ValueError(f"actions must have the shape {self.action_space.shape}, got {actions.shape}")
+            raise ValueError(
+                f"actions must have the shape {self.action_space.shape}, got {actions.shape}"
+            )
         if not np.isfinite(actions).all():
             raise ValueError("an action holds a value that is not finite; actions lie in [-1, 1]")
         resetting = self._ended.copy()  # none with SAME_STEP
@@ -118,7 +147,9 @@ class FlatlandVectorEnv(VectorEnv):
         infos: dict[str, Any] = {}
         for r in np.flatnonzero(self._ended):
             last = self._last_info(r)
-            told = {"final_obs": self._seen[r].copy(), "final_info": last} if self._same_step else last
+            told = (
+                {"final_obs": self._seen[r].copy(), "final_info": last} if self._same_step else last
+            )
             infos = self._add_info(infos, told, r)
         if self._same_step and self._ended.any():
             self._reset_rooms(np.flatnonzero(self._ended))
@@ -166,14 +197,19 @@ class FlatlandVectorEnv(VectorEnv):
 
         self._spaces = np.zeros(self.num_envs, np.uint64)
         self._wiring, self._paths, self._scene = (
-            one._replace(**{name: stack(getattr(one, name)) for name in names}) for _, one, names in self._stacks(parts, new=True)
+            one._replace(**{name: stack(getattr(one, name)) for name in names})
+            for _, one, names in self._stacks(parts, new=True)
         )
         self._body, self._inner, self._pose = parts.body, stack(parts.inner), stack(parts.pose)
         self._stacked = True
 
-    def _stacks(self, parts: Parts, new: bool = False) -> tuple[tuple[Any, Any, tuple[str, ...]], ...]:
+    def _stacks(
+        self, parts: Parts, new: bool = False
+    ) -> tuple[tuple[Any, Any, tuple[str, ...]], ...]:
         """(stack, its part of one room, the names of the arrays that each room has of its own)."""
-        wiring, paths, scene = (None, None, None) if new else (self._wiring, self._paths, self._scene)
+        wiring, paths, scene = (
+            (None, None, None) if new else (self._wiring, self._paths, self._scene)
+        )
         return (
             (wiring, parts.wiring, ("links", "movers", "bodies")),
             (paths, parts.paths, ("corners", "path", "phase")),

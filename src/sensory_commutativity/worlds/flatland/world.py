@@ -24,7 +24,9 @@ from .control import DT, EYELID, INNER, Body, Paths, Wiring, advance
 from .eye import Scene, ray_directions
 from .room import FIXED, MAX_VERTICES, MOVING, WALL_COLOURS, Room, Situation, draw_situation
 
-ARM_COLOURS = np.array([(255, 255, 255), (200, 200, 200)] * 2, np.uint8)  # chosen: unlike any wall or thing; upper arm, forearm
+ARM_COLOURS = np.array(
+    [(255, 255, 255), (200, 200, 200)] * 2, np.uint8
+)  # chosen: unlike any wall or thing; upper arm, forearm
 _NOTHING = np.zeros((0, 8))
 
 
@@ -162,7 +164,9 @@ class FlatlandWorld:
     def _advance(self, actions: np.ndarray, every_step: bool, seen: np.ndarray) -> None:
         self._need_situation()
         if actions.ndim != 2 or actions.shape[1] != len(self.dofs):
-            raise ValueError(f"an action has {len(self.dofs)} elements, one per degree of freedom; got an array of shape {actions.shape[1:]}")
+            raise ValueError(
+                f"an action has {len(self.dofs)} elements, one per degree of freedom; got an array of shape {actions.shape[1:]}"
+            )
         if not np.isfinite(actions).all():
             raise ValueError("an action holds a value that is not finite; actions lie in [-1, 1]")
         self._fresh = self._fresh and len(actions) == 0
@@ -196,7 +200,12 @@ class FlatlandWorld:
             self._force.address, self._force.values, self._force.cursor,
             self._velocity.address, self._velocity.values, self._velocity.cursor,
         )  # fmt: skip
-        self._paths = Paths(situation.corners[moving], situation.path[moving], situation.phase[moving], room.path_speed)
+        self._paths = Paths(
+            situation.corners[moving],
+            situation.path[moving],
+            situation.phase[moving],
+            room.path_speed,
+        )
         self._pose = np.zeros((len(addresses) + len(room.marks), 3))
         for i, mark in enumerate(room.marks):
             self._pose[len(addresses) + i, :2] = mark.x, mark.y
@@ -209,14 +218,24 @@ class FlatlandWorld:
         links = []
         for i in range(N_LINKS):
             link = _place(pymunk.Body(mass[i], moment[i]), bodies[i])
-            shape = pymunk.Circle(link, agent.base_radius) if i == 0 else pymunk.Poly(link, _arm_corners(agent).tolist())
-            shape.filter, shape.friction, shape.elasticity = own, self.room.friction, self.room.elasticity
+            shape = (
+                pymunk.Circle(link, agent.base_radius)
+                if i == 0
+                else pymunk.Poly(link, _arm_corners(agent).tolist())
+            )
+            shape.filter, shape.friction, shape.elasticity = (
+                own,
+                self.room.friction,
+                self.room.elasticity,
+            )
             space.add(link, shape)
             links.append(link)
         half = agent.arm_length / 2
         for upper, side in ((1, 1.0), (3, -1.0)):
             space.add(
-                pymunk.PivotJoint(links[0], links[upper], (0, side * agent.base_radius), (-half, 0)),
+                pymunk.PivotJoint(
+                    links[0], links[upper], (0, side * agent.base_radius), (-half, 0)
+                ),
                 pymunk.PivotJoint(links[upper], links[upper + 1], (half, 0), (-half, 0)),
             )
         return links
@@ -230,9 +249,15 @@ class FlatlandWorld:
             elif situation.kind[i] == MOVING:
                 thing = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
             else:
-                thing = pymunk.Body(room.thing_mass, pymunk.moment_for_circle(room.thing_mass, 0, radius))
+                thing = pymunk.Body(
+                    room.thing_mass, pymunk.moment_for_circle(room.thing_mass, 0, radius)
+                )
             _place(thing, snapshot.bodies[N_LINKS + i])
-            shape = pymunk.Circle(thing, radius) if corners == 0 else pymunk.Poly(thing, self._outlines[i, :corners].tolist())
+            shape = (
+                pymunk.Circle(thing, radius)
+                if corners == 0
+                else pymunk.Poly(thing, self._outlines[i, :corners].tolist())
+            )
             shape.friction, shape.elasticity = room.friction, room.elasticity
             space.add(thing, shape)
             things.append(thing)
@@ -277,7 +302,9 @@ def _arm_corners(agent: Polyphemus) -> np.ndarray:
 @lru_cache
 def _masses(agent: Polyphemus) -> tuple[list[float], list[float]]:
     arm = pymunk.moment_for_box(agent.arm_mass, (agent.arm_length, agent.arm_width))
-    return [agent.base_mass] + 4 * [agent.arm_mass], [pymunk.moment_for_circle(agent.base_mass, 0, agent.base_radius)] + 4 * [arm]
+    return [agent.base_mass] + 4 * [agent.arm_mass], [
+        pymunk.moment_for_circle(agent.base_mass, 0, agent.base_radius)
+    ] + 4 * [arm]
 
 
 @lru_cache
@@ -298,7 +325,12 @@ def _wall_blocks(room: Room) -> tuple[list[tuple[float, float]], ...]:
         along = np.array([x2 - x1, y2 - y1]) / math.hypot(x2 - x1, y2 - y1)
         outwards = np.array([-along[1], along[0]])
         first, second = np.array([x1, y1]) - outside * along, np.array([x2, y2]) + outside * along
-        corners = (first - inside * outwards, second - inside * outwards, second + outside * outwards, first + outside * outwards)
+        corners = (
+            first - inside * outwards,
+            second - inside * outwards,
+            second + outside * outwards,
+            first + outside * outwards,
+        )
         blocks.append([(float(x), float(y)) for x, y in corners])
     return tuple(blocks)
 

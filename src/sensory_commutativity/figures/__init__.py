@@ -1,1 +1,0 @@
-"""One file per figure, one style; a figure is drawn from tables and nothing else."""

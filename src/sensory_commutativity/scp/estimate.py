@@ -1,0 +1,56 @@
+"""From distances to the Sensory Commutativity Probability, with its interval (paper, section II-E)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from ..statistics.proportions import wilson_interval
+
+
+def commutes(distance: np.ndarray, threshold: float = 0.0) -> np.ndarray:
+    """Which experiments commuted, d(s_1, s_2) <= threshold: bool, the shape of `distance`."""
+    return np.asarray(distance) <= threshold
+
+
+def sensory_commutativity_probability(
+    experiments: pd.DataFrame,
+    by: Sequence[str],
+    thresholds: Sequence[float],
+    confidence: float = 0.95,
+) -> pd.DataFrame:
+    """The SCP of every group of experiments at every threshold.
+
+    Parameters
+    ----------
+    experiments : DataFrame
+        One row per SC-experiment, with a column ``distance`` and the columns `by`.
+    by : column names
+        What makes a group, e.g. world, agent, dof; groups keep the order in which they first appear.
+    thresholds : numbers >= 0
+    confidence : float in (0, 1)
+
+    Returns
+    -------
+    DataFrame
+        A row per group and threshold: `by`, threshold, n, commuted, scp, ci_low, ci_high (Wilson).
+    """
+    rows = []
+    for group, distance in experiments.groupby(list(by), sort=False, observed=True)["distance"]:
+        for threshold in thresholds:
+            rows.append(
+                (
+                    *group,
+                    float(threshold),
+                    len(distance),
+                    int(commutes(distance.to_numpy(), threshold).sum()),
+                )
+            )
+    table = pd.DataFrame(rows, columns=[*by, "threshold", "n", "commuted"])
+    table["scp"] = table["commuted"] / table["n"]
+    table["ci_low"], table["ci_high"] = wilson_interval(
+        table["commuted"].to_numpy(), table["n"].to_numpy(), confidence
+    )
+    return table

@@ -1,1 +1,0 @@
-"""One module per table: what a workflow rule and a command of the same name do."""

@@ -1,0 +1,207 @@
+"""Everything that can be set about the apartment (paper, sections III-B and III-C, appendix C)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field, model_validator
+
+from ...storage.settings import Name, Section, known
+
+Start = Literal["anywhere", "within-reach"]
+
+
+class RobotConfig(Section):
+    """A robot."""
+
+    description: str = Field(
+        min_length=1,
+        description="YAML file that names its URDF, degrees of freedom, camera and start pose.",
+    )
+
+
+class SceneConfig(Section):
+    """Where a robot lives; without a file an empty floor that never ends."""
+
+    file: str | None = Field(
+        None, description="YAML file: a floor plan, or a mesh file with movable objects."
+    )
+
+
+class ApartmentReferenceConfig(Section):
+    """The robot and the scene of the main figure."""
+
+    robot: Name = Field(description="A key of apartment.robots.")
+    scene: Name = Field(description="A key of apartment.scenes.")
+    threshold: float = Field(
+        50.0,
+        gt=0,
+        description="The one of apartment.thresholds that figures and tests take where they need one.",
+    )
+    experiments: int = Field(
+        ge=2,
+        le=1_000_000,
+        description="Start situations; every degree of freedom is tried from each.",
+    )
+
+
+class ApartmentGroupConfig(Section):
+    """Robots and scenes, all combined."""
+
+    robots: list[Name] = Field(description="Keys of apartment.robots.")
+    scenes: list[Name] = Field(description="Keys of apartment.scenes.")
+    experiments: int = Field(
+        ge=2, le=1_000_000, description="Start situations of every robot in every scene."
+    )
+
+
+class ApartmentSensitivityConfig(Section):
+    """Other lengths of the sequences, in the reference scene."""
+
+    lengths: list[Annotated[int, Field(ge=1, le=2000)]]
+    experiments: int = Field(ge=2, le=1_000_000)
+
+
+class ApartmentRun(NamedTuple):
+    """SC-experiments of one robot in one scene."""
+
+    robot: str
+    scene: str
+    start: Start
+    length: int
+    experiments: int
+
+
+class ApartmentConfig(Section):
+    """Everything in three dimensions."""
+
+    robots: dict[Name, RobotConfig] = Field(min_length=1)
+    scenes: dict[Name, SceneConfig] = Field(min_length=1)
+    sequence_length: int = Field(
+        50, ge=1, le=2000, description="Actions in a sequence, a tenth of a second each."
+    )
+    rest_steps: int = Field(
+        3, ge=1, le=100, description="Steps without a command that end each sequence."
+    )
+    thresholds: list[Annotated[float, Field(ge=0)]] = Field(
+        min_length=1, description="Squared distances of VGG16 features that count as equal."
+    )
+    fields_of_view: list[Annotated[float, Field(ge=5, le=150)]] = Field(
+        min_length=1, description="Vertical, degrees; the first is the main one."
+    )
+    image_size: int = Field(
+        128, ge=32, le=1024, description="Height and width of the camera's picture, pixels."
+    )
+    supersampling: int = Field(
+        3,
+        ge=1,
+        le=8,
+        description="Samples per pixel, in each direction: without, edges flicker and nothing commutes.",
+    )
+    reach: float = Field(
+        0.15,
+        gt=0,
+        le=2,
+        description="Metres: starts within reach have something so close to the arm.",
+    )
+    weights: str | None = Field(
+        None, description="File with the VGG16 weights; null to fetch them once and keep them."
+    )
+    reference: ApartmentReferenceConfig
+    robots_compared: ApartmentGroupConfig = Field(description="Further robots (paper, appendix C).")
+    scenes_compared: ApartmentGroupConfig = Field(description="Further apartments.")
+    within_reach: ApartmentGroupConfig = Field(
+        description="Starts with something within the arm's reach."
+    )
+    free_space: ApartmentGroupConfig = Field(
+        description="Where everything should commute: scenes without a file."
+    )
+    sensitivity: ApartmentSensitivityConfig
+    experiments_per_job: int = Field(
+        50, ge=1, le=1_000_000, description="Start situations in a job; changes no result."
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> ApartmentConfig:
+        known(self.reference.robot, self.robots, "reference.robot", "apartment.robots")
+        known(self.reference.scene, self.scenes, "reference.scene", "apartment.scenes")
+        for section in ("robots_compared", "scenes_compared", "within_reach", "free_space"):
+            group: ApartmentGroupConfig = getattr(self, section)
+            for kind, names in (("robots", group.robots), ("scenes", group.scenes)):
+                for name in names:
+                    known(name, getattr(self, kind), f"{section}.{kind}", f"apartment.{kind}")
+        for name in self.free_space.scenes:
+            if self.scenes[name].file is not None:
+                raise ValueError(
+                    f"free_space.scenes names {name!r}, which has a file; free space is a scene without one: {{}}"
+                )
+        if self.reference.threshold not in self.thresholds:
+            raise ValueError(
+                f"reference.threshold {self.reference.threshold:g} is not among thresholds; add it there"
+            )
+        for key, values in (
+            ("thresholds", self.thresholds),
+            ("fields_of_view", self.fields_of_view),
+            ("sensitivity.lengths", [self.sequence_length, *self.sensitivity.lengths]),
+        ):
+            if len(set(values)) < len(values):
+                raise ValueError(
+                    f"{key} holds a number twice in {values}; remove one (the main sequence_length is always there)"
+                )
+        if self.sensitivity.experiments > self.reference.experiments:
+            raise ValueError(
+                f"sensitivity.experiments {self.sensitivity.experiments} is more than reference.experiments {self.reference.experiments}, "
+                "from which the main length is taken; set it no higher"
+            )
+        if list(self.thresholds) != sorted(self.thresholds):
+            raise ValueError(f"thresholds {self.thresholds} do not rise; write the lowest first")
+        keys = [run[:4] for run in self.runs()]
+        for key in keys:
+            if keys.count(key) > 1:
+                raise ValueError(
+                    f"{key[0]!r} in {key[1]!r} is asked for by two sections; leave it out of one"
+                )
+        return self
+
+    def views(self, run: ApartmentRun) -> list[float]:
+        """Through which fields of view a run is seen: all in the reference, else the main one."""
+        return list(self.fields_of_view) if run == next(self._runs()) else self.fields_of_view[:1]
+
+    def n_jobs(self, experiments: int) -> int:
+        """Into how many jobs so many start situations are cut."""
+        return math.ceil(experiments / self.experiments_per_job)
+
+    def runs(self) -> list[ApartmentRun]:
+        """All SC-experiments, in the order of the sections."""
+        return list(self._runs())
+
+    def _runs(self) -> Iterator[ApartmentRun]:
+        reference = self.reference
+        yield ApartmentRun(
+            reference.robot,
+            reference.scene,
+            "anywhere",
+            self.sequence_length,
+            reference.experiments,
+        )
+        for group in (self.robots_compared, self.scenes_compared, self.free_space):
+            for robot in group.robots:
+                for scene in group.scenes:
+                    yield ApartmentRun(
+                        robot, scene, "anywhere", self.sequence_length, group.experiments
+                    )
+        for robot in self.within_reach.robots:
+            for scene in self.within_reach.scenes:
+                yield ApartmentRun(
+                    robot,
+                    scene,
+                    "within-reach",
+                    self.sequence_length,
+                    self.within_reach.experiments,
+                )
+        for length in self.sensitivity.lengths:
+            yield ApartmentRun(
+                reference.robot, reference.scene, "anywhere", length, self.sensitivity.experiments
+            )

@@ -1,0 +1,49 @@
+"""How training went: the loss on what is learned from, accuracy and overlap on pairs that are held out."""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import pandas as pd
+from matplotlib.figure import Figure
+
+from ...config import Config
+from ...plotting import MODEL_LABELS
+from .mask_iou import MODEL_STYLES
+
+_MEASURES = {
+    "loss": "training loss",
+    "accuracy": "accuracy of the three outcomes,\nheld-out pairs",
+    "iou": "mean IoU where something moved,\nheld-out pairs",
+}
+
+
+def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+    curves = tables["mask_curves"]
+    figure, grid = plt.subplots(1, 3, figsize=(11, 3.5))
+    for axes, (measure, name) in zip(grid, _MEASURES.items(), strict=True):
+        for model, rows in curves.groupby("model", sort=False):
+            colour, line, marker = MODEL_STYLES[model]
+            axes.plot(
+                rows["visits"] / 1000,
+                rows[measure],
+                color=colour,
+                linestyle=line,
+                marker=marker,
+                markersize=4,
+                label=MODEL_LABELS[model],
+            )
+        axes.set_xlabel("pairs shown (thousands)")
+        axes.set_ylabel(name)
+        if measure == "loss":
+            axes.set_yscale("log")
+            axes.yaxis.set_major_formatter("{x:g}")
+            axes.yaxis.set_minor_formatter("{x:g}")
+        else:
+            axes.set_ylim(0, 1.03)
+    grid[0].legend()
+    data = config.masks.data
+    figure.suptitle(
+        f"{3 * data.pairs:,} pairs to learn from, {3 * data.validation_pairs:,} held out; one run each",
+        fontsize=9,
+    )
+    return figure
