@@ -1,10 +1,10 @@
-"""Errors that are the user's to mend: shown as one line, exit code 2."""
+"""Errors that the user can correct: shown as one line, exit code 2."""
 
 from __future__ import annotations
 
 
 class UserError(Exception):
-    """Something the user asked for cannot be done; the message names the key or path and the remedy."""
+    """A request cannot be fulfilled; the message names the key or path and the remedy."""
 
 
 class ConfigError(UserError):
@@ -12,4 +12,4 @@ class ConfigError(UserError):
 
 
 class TableError(UserError):
-    """A table is missing, damaged, or not what its name says."""
+    """A table is missing, damaged, incomplete, or not the table that was asked for."""

@@ -1,4 +1,4 @@
-"""Progress bars, shown only when a person watches."""
+"""Progress bars, shown only on a terminal."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ from tqdm import tqdm
 T = TypeVar("T")
 
 
-def progress(things: Iterable[T], what: str, unit: str) -> Iterable[T]:
-    """Go through `things`, with a bar on standard error if that is a terminal."""
-    return tqdm(things, desc=what, unit=unit, disable=None, leave=False)
+def progress(items: Iterable[T], description: str, unit: str) -> Iterable[T]:
+    """Iterate over `items`, with a bar on standard error if that is a terminal."""
+    return tqdm(items, desc=description, unit=unit, disable=None, leave=False)

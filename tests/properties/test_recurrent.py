@@ -65,7 +65,7 @@ def test_any_starts(starts, seed):
 
 @given(st.integers(1, 5), st.integers(1, 40), st.data())
 def test_few_starts(n, steps, data):
-    """Long pieces, and groups of them that are empty."""
+    """Long drawables, and groups of them that are empty."""
     starts = np.zeros((n, steps), bool)
     for room in range(n):
         for step in data.draw(st.lists(st.integers(0, steps - 1), max_size=2)):

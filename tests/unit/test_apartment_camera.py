@@ -9,7 +9,12 @@ import pytest
 
 from sensory_commutativity.worlds.apartment import frames as fr
 from sensory_commutativity.worlds.apartment import geometry
-from sensory_commutativity.worlds.apartment.rendering.camera import Camera, Piece, Renderer, look_at
+from sensory_commutativity.worlds.apartment.rendering.camera import (
+    Camera,
+    Drawable,
+    Renderer,
+    look_at,
+)
 from sensory_commutativity.worlds.apartment.rendering.raster import BACKGROUND
 from sensory_commutativity.worlds.apartment.rendering.textures import SIZE, TEXTURES, texture
 from sensory_commutativity.worlds.apartment.scenes.scene import Part
@@ -20,7 +25,7 @@ WORLD = np.eye(4)[None]
 
 
 def piece(mesh, position=(0.0, 0.0, 0.0), colour=RED, identity=1, body=0, texture_name=""):
-    return Piece(Part(geometry.placed(mesh, position), colour, texture_name), identity, body)
+    return Drawable(Part(geometry.placed(mesh, position), colour, texture_name), identity, body)
 
 
 def wall(x, half=1.0, **more):
@@ -28,8 +33,8 @@ def wall(x, half=1.0, **more):
     return piece(geometry.box((0.001, half, half)), (x, 0.0, 0.0), **more)
 
 
-def seen(pieces, camera=None, eye=AT_ORIGIN, poses=WORLD):
-    return Renderer(pieces, len(poses)).render(camera or Camera(65, 65, 90, 1), eye, poses)
+def seen(drawables, camera=None, eye=AT_ORIGIN, poses=WORLD):
+    return Renderer(drawables, len(poses)).render(camera or Camera(65, 65, 90, 1), eye, poses)
 
 
 @pytest.mark.parametrize(
@@ -104,14 +109,14 @@ def test_a_thing_appears_where_the_pinhole_says(view, left, up):
 
 def test_the_nearer_thing_hides_the_farther_whatever_the_order():
     near, far = wall(1.0, 0.3, identity=7), wall(2.0, 3.0, colour=GREEN, identity=8)
-    for pieces in ([near, far], [far, near]):
-        identity = seen(pieces).identity
+    for drawables in ([near, far], [far, near]):
+        identity = seen(drawables).identity
         assert identity[32, 32] == 7 and identity[0, 0] == 8 and set(np.unique(identity)) == {7, 8}
 
 
 def test_pictures_do_not_depend_on_the_order_of_pieces_nor_on_what_was_drawn_before():
     rng = np.random.default_rng(3)
-    pieces = [
+    drawables = [
         piece(
             geometry.box(rng.uniform(0.1, 0.4, 3)),
             rng.uniform(-2, 2, 3),
@@ -123,12 +128,12 @@ def test_pictures_do_not_depend_on_the_order_of_pieces_nor_on_what_was_drawn_bef
         for i in range(40)
     ]
     camera, eye = Camera(64, 48, 90, 3), look_at((-2.5, 0.1, 0.3), (0, 0, 0))
-    renderer = Renderer(pieces, 1)
+    renderer = Renderer(drawables, 1)
     first = renderer.render(camera, eye, WORLD)
     renderer.render(Camera(32, 32, 45, 1), AT_ORIGIN, WORLD)
     for other in (
         renderer.render(camera, eye, WORLD),
-        Renderer(pieces[::-1], 1).render(camera, eye, WORLD),
+        Renderer(drawables[::-1], 1).render(camera, eye, WORLD),
     ):
         assert np.array_equal(first.rgb, other.rgb) and np.array_equal(
             first.identity, other.identity

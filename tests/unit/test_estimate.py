@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binomtest
 
-from sensory_commutativity.scp.estimate import commutes, sensory_commutativity_probability
+from sensory_commutativity.scp.estimate import commutes, estimate_scp
 
 EXPERIMENTS = pd.DataFrame(
     {
@@ -21,7 +21,7 @@ EXPERIMENTS = pd.DataFrame(
 
 
 def test_by_hand():
-    table = sensory_commutativity_probability(EXPERIMENTS, ["world", "dof"], [0.0, 1.0, 100.0])
+    table = estimate_scp(EXPERIMENTS, ["world", "dof"], [0.0, 1.0, 100.0])
     assert table.columns.tolist() == [
         "world",
         "dof",
@@ -55,13 +55,13 @@ def test_by_hand():
 
 
 def test_the_confidence_is_passed_on():
-    narrow = sensory_commutativity_probability(EXPERIMENTS, ["world", "dof"], [0.0], 0.5)
-    wide = sensory_commutativity_probability(EXPERIMENTS, ["world", "dof"], [0.0], 0.99)
+    narrow = estimate_scp(EXPERIMENTS, ["world", "dof"], [0.0], 0.5)
+    wide = estimate_scp(EXPERIMENTS, ["world", "dof"], [0.0], 0.99)
     assert (wide["ci_high"] - wide["ci_low"] > narrow["ci_high"] - narrow["ci_low"]).all()
 
 
 def test_one_column_makes_groups_too():
-    table = sensory_commutativity_probability(EXPERIMENTS, ["dof"], [0.0])
+    table = estimate_scp(EXPERIMENTS, ["dof"], [0.0])
     assert table[["dof", "n", "commuted"]].to_numpy().tolist() == [["head", 6, 3], ["arm", 2, 0]]
 
 
@@ -81,11 +81,9 @@ def test_the_threshold_itself_commutes():
 )
 def test_the_scp_grows_with_the_threshold(distances, thresholds):
     frame = pd.DataFrame({"dof": "head", "distance": distances})
-    table = sensory_commutativity_probability(frame, ["dof"], sorted(thresholds))
+    table = estimate_scp(frame, ["dof"], sorted(thresholds))
     assert (table["scp"].diff().dropna() >= 0).all()
     assert (table["n"] == len(distances)).all()
     assert (table["ci_low"] <= table["scp"]).all() and (table["scp"] <= table["ci_high"]).all()
-    shuffled = sensory_commutativity_probability(
-        frame.sample(frac=1, random_state=1), ["dof"], sorted(thresholds)
-    )
+    shuffled = estimate_scp(frame.sample(frac=1, random_state=1), ["dof"], sorted(thresholds))
     pd.testing.assert_frame_equal(table, shuffled)

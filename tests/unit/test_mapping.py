@@ -7,7 +7,7 @@ import pytest
 from sensory_commutativity.helpers import DEFAULT
 
 from sensory_commutativity.change_detection.simulated.local_scp import experiments_at
-from sensory_commutativity.change_detection.simulated.poses import Place, places
+from sensory_commutativity.change_detection.simulated.poses import Pose, grid_poses
 from sensory_commutativity.change_detection.simulated.reach import (
     MOST,
     swept_reach,
@@ -50,7 +50,7 @@ def test_places_are_centred_in_every_room():
     scene = Scene(
         "rooms", (), (), (Area("a", (0.0, 1.0), (0.0, 2.1)), Area("b", (5.0, 5.2), (0.0, 1.0)))
     )
-    found = places(scene, 0.5, 2)
+    found = grid_poses(scene, 0.5, 2)
     assert len(found) == 2 * (2 * 4 + 1 * 2)
     assert {place.x for place in found if place.room == "a"} == {0.25, 0.75}
     assert sorted({round(place.y, 3) for place in found if place.room == "a"}) == [
@@ -115,21 +115,21 @@ def test_what_half_of_the_starts_meet_counts(world):
 
 def test_experiments_where_something_is_in_the_way_and_where_not(world):
     blocked = experiments_at(
-        Place("room", 0.0, 0.0, 0.45), world, PAN, 60, 6, np.random.default_rng(1)
+        Pose("room", 0.0, 0.0, 0.45), world, PAN, 60, 6, np.random.default_rng(1)
     )
     free = experiments_at(
-        Place("room", -5.0, 0.0, np.pi), world, PAN, 60, 6, np.random.default_rng(1)
+        Pose("room", -5.0, 0.0, np.pi), world, PAN, 60, 6, np.random.default_rng(1)
     )
     assert blocked.pictures.shape == (6, 2, 64, 64, 3) and blocked.pictures.dtype == np.uint8
     assert not free.different.any() and blocked.different.any()
     again = experiments_at(
-        Place("room", 0.0, 0.0, 0.45), world, PAN, 60, 6, np.random.default_rng(1)
+        Pose("room", 0.0, 0.0, 0.45), world, PAN, 60, 6, np.random.default_rng(1)
     )
     assert np.array_equal(blocked.pictures, again.pictures)
 
 
 def test_there_is_no_experiment_where_the_robot_cannot_stand(world):
     assert (
-        experiments_at(Place("room", 0.75, 0.0, 0.0), world, PAN, 10, 2, np.random.default_rng(1))
+        experiments_at(Pose("room", 0.75, 0.0, 0.0), world, PAN, 10, 2, np.random.default_rng(1))
         is None
     )

@@ -9,20 +9,20 @@ import torch
 from sensory_commutativity.change_detection.models.view_classifier import (
     CHANNELS,
     SIDE,
-    PlaceJudge,
-    close_ups,
+    ViewClassifier,
+    changed_regions,
+    crop_regions,
     emptiness,
     exchanged,
-    judged,
-    places_of,
+    refine_masks,
 )
 from sensory_commutativity.change_detection.predictor import MaskPredictor, PredictorError
-from sensory_commutativity.change_detection.training.trainer import Recipe
+from sensory_commutativity.change_detection.training.trainer import TrainingSettings
 from sensory_commutativity.change_detection.training.view_classifier_trainer import (
-    JudgeTrainer,
-    Places,
+    Regions,
+    ViewClassifierTrainer,
     _recoloured,
-    places_in,
+    labelled_regions,
 )
 
 
@@ -50,9 +50,9 @@ def test_places_are_what_is_connected_over_both_views():
         0.6,
         0.4,
     )
-    found = places_of(maps)
+    found = changed_regions(maps)
     assert [int(place.sum()) for place in found] == [36 + 16, 16]
-    assert places_of(np.zeros_like(maps)) == []
+    assert changed_regions(np.zeros_like(maps)) == []
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_a_close_up_shows_a_place_in_its_middle_and_nothing_outside_of_the_pictu
     rows, columns = slice(top, top + height), slice(left, left + width)
     maps[0, rows, columns] = 1.0
     pictures[1, rows, columns] = (255, 0, 127)
-    seen = close_ups(maps, pictures, places_of(maps))
+    seen = crop_regions(maps, pictures, changed_regions(maps))
     assert seen.shape == (1, CHANNELS, SIDE, SIDE) and seen.dtype == torch.float32
     middle = seen[0, :, SIDE // 2, SIDE // 2]
     assert middle[:3].tolist() == pytest.approx([100 / 127.5 - 1] * 3, abs=1e-5)
@@ -82,7 +82,7 @@ def test_a_close_up_shows_a_place_in_its_middle_and_nothing_outside_of_the_pictu
 
 def test_a_judge_says_of_pictures_in_the_other_order_the_same_of_the_other_view():
     torch.manual_seed(0)
-    judge, seen = PlaceJudge(4).eval(), torch.rand(3, CHANNELS, SIDE, SIDE)
+    judge, seen = ViewClassifier(4).eval(), torch.rand(3, CHANNELS, SIDE, SIDE)
     judge.verdict[1].weight.data *= 1000  # untrained, it tells hardly anything apart
     seen[:, :3] = 0
     found = emptiness(judge, seen)
@@ -97,7 +97,7 @@ def test_what_follows_from_a_verdict(empty):
     maps[0, 4:20, 4:20], maps[1, 4:12, 4:20], maps[1, 40:44, 40:44] = 0.9, 0.7, 0.8
     maps[:, 60, 60] = 0.3  # a doubt that is no place stays
     before = maps.copy()
-    found = judged(Told(*empty), maps[None], pictures[None])[0]
+    found = refine_masks(Told(*empty), maps[None], pictures[None])[0]
     assert np.array_equal(maps, before)
     for view in (0, 1):
         if max(empty) <= 0.5:
@@ -109,10 +109,12 @@ def test_what_follows_from_a_verdict(empty):
                 found[view, 40:44, 40:44] == np.float32(0.8)
             ).all()
         assert found[view, 60, 60] == np.float32(0.3)
-    assert not judged(Told(0.9, 0.9), np.zeros((1, 2, 64, 64), np.float32), pictures[None]).any()
+    assert not refine_masks(
+        Told(0.9, 0.9), np.zeros((1, 2, 64, 64), np.float32), pictures[None]
+    ).any()
     everything = np.full((1, 2, 64, 64), 0.9, np.float32)
     assert np.array_equal(
-        judged(Told(*empty), everything, pictures[None]), everything
+        refine_masks(Told(*empty), everything, pictures[None]), everything
     )  # another view stays one
 
 
@@ -138,20 +140,21 @@ def bright(n: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
 def test_places_to_learn_from_are_labelled_by_the_true_masks():
     pictures, masks = bright(5)
     pictures[4] = 255  # taken for different: no place
-    places = places_in(MaskPredictor("raft", Both()), pictures, masks)
+    places = labelled_regions(MaskPredictor("raft", Both()), pictures, masks)
     assert (
-        places.close_ups.shape == (4, CHANNELS, SIDE, SIDE) and places.close_ups.dtype == np.float16
+        places.crop_regions.shape == (4, CHANNELS, SIDE, SIDE)
+        and places.crop_regions.dtype == np.float16
     )
     assert np.array_equal(places.empty, ~masks[:4].any((2, 3)))
-    none = places_in(MaskPredictor("raft", Both()), np.zeros_like(pictures), masks)
-    assert none.close_ups.shape == (0, CHANNELS, SIDE, SIDE) and none.empty.shape == (0, 2)
+    none = labelled_regions(MaskPredictor("raft", Both()), np.zeros_like(pictures), masks)
+    assert none.crop_regions.shape == (0, CHANNELS, SIDE, SIDE) and none.empty.shape == (0, 2)
 
 
 def test_places_of_a_predictor_with_a_judge_are_refused():
     with pytest.raises(
         PredictorError, match="has a judge already; give the one that mask-training wrote"
     ):
-        places_in(MaskPredictor("raft", Both(), judge=PlaceJudge(4)), *bright(1))
+        labelled_regions(MaskPredictor("raft", Both(), judge=ViewClassifier(4)), *bright(1))
 
 
 def test_a_first_look_is_not_judged():
@@ -171,14 +174,17 @@ def test_colours_change_alike_in_both_pictures_and_nothing_outside_of_them():
     assert (found[:, :, 3:] != pictures[:, :, 3:]).float().mean() > 0.9 and found.abs().max() <= 1
 
 
-def some_places(n: int, seed: int = 0) -> Places:
+def some_places(n: int, seed: int = 0) -> Regions:
     pictures, masks = bright(n, seed)
-    return places_in(MaskPredictor("raft", Both()), pictures, masks)
+    return labelled_regions(MaskPredictor("raft", Both()), pictures, masks)
 
 
 def test_a_judge_learns_which_view_shows_nothing_and_mends_what_a_model_says():
-    trainer = JudgeTrainer(
-        some_places(30), Recipe(visits=960, batch_size=16, learning_rate=5e-3), seed=1, width=8
+    trainer = ViewClassifierTrainer(
+        some_places(30),
+        TrainingSettings(samples=960, batch_size=16, learning_rate=5e-3),
+        seed=1,
+        width=8,
     )
     while not trainer.finished:
         trainer.advance()
@@ -190,15 +196,15 @@ def test_a_judge_learns_which_view_shows_nothing_and_mends_what_a_model_says():
 
 
 def test_a_resumed_judge_ends_as_one_that_was_not():
-    places, recipe = some_places(6), Recipe(visits=24, batch_size=4)
+    places, recipe = some_places(6), TrainingSettings(samples=24, batch_size=4)
 
     def run(stop_at: int | None) -> list[torch.Tensor]:
-        trainer = JudgeTrainer(places, recipe, seed=3, width=4)
+        trainer = ViewClassifierTrainer(places, recipe, seed=3, width=4)
         while not trainer.finished:
             trainer.advance()
             if trainer.step == stop_at:
                 state = trainer.state()
-                trainer = JudgeTrainer(places, recipe, seed=3, width=4)
+                trainer = ViewClassifierTrainer(places, recipe, seed=3, width=4)
                 trainer.resume(state)
         return list(trainer.model.state_dict().values())
 

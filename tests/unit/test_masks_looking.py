@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sensory_commutativity.helpers import DEFAULT
 
-from sensory_commutativity.change_detection.decision import Rule
+from sensory_commutativity.change_detection.decision import DecisionThresholds
 from sensory_commutativity.change_detection.outcome import OUTCOMES
 from sensory_commutativity.change_detection.simulated.object_experiments import COMPARISONS, KINDS
 from sensory_commutativity.storage.arrays import StoreError, pack, write_arrays
@@ -29,7 +29,7 @@ class Killed(BaseException):
 class Obedient:
     """Predicts what the first pixel of the first picture says: an outcome, masks as in BLOCK. Dies when it is asked for the `dies_at`-th time."""
 
-    rule = Rule()
+    rule = DecisionThresholds()
 
     def __init__(self, dies_at: int | None = None):
         self.asked, self.dies_at = 0, dies_at

@@ -11,17 +11,18 @@ import torch
 from PIL import Image
 
 from sensory_commutativity.change_detection.decision import (
-    Rule,
-    cleaned,
+    DecisionThresholds,
     intersection_over_union,
     outcomes,
+    remove_small_components,
     tune,
 )
 from sensory_commutativity.change_detection.models.flownet import MaskFlowNet
 from sensory_commutativity.change_detection.models.image_difference import difference
 from sensory_commutativity.change_detection.models.raft import MaskRaft
-from sensory_commutativity.change_detection.models.view_classifier import PlaceJudge
+from sensory_commutativity.change_detection.models.view_classifier import ViewClassifier
 from sensory_commutativity.change_detection.outcome import OUTCOMES
+from sensory_commutativity.change_detection.pair_files import Pairs, read_pairs, write_pairs
 from sensory_commutativity.change_detection.predict import as_trained, predict_files
 from sensory_commutativity.change_detection.predictor import (
     MODELS,
@@ -38,21 +39,12 @@ from sensory_commutativity.change_detection.training.loss import dice_loss, mask
 from sensory_commutativity.change_detection.training.mask_trainer import (
     AIMED,
     STAGES,
-    Trainer,
+    MaskTrainer,
     augmented,
     stage_of,
 )
-from sensory_commutativity.change_detection.training.trainer import Recipe, learning_rate
-from sensory_commutativity.storage.arrays import (
-    Pairs,
-    StoreError,
-    pack,
-    read_arrays,
-    read_pairs,
-    unpack,
-    write_arrays,
-    write_pairs,
-)
+from sensory_commutativity.change_detection.training.trainer import TrainingSettings, learning_rate
+from sensory_commutativity.storage.arrays import StoreError, pack, read_arrays, unpack, write_arrays
 from sensory_commutativity.storage.checkpoints import CheckpointError, save_state
 
 IDENTICAL, DIFFERENT, MOVED = range(3)
@@ -87,9 +79,14 @@ def test_outcomes_by_hand():
     maps[1] = 0.9
     maps[2, 0, :4, :4] = 0.8
     maps[3, 0, :4, :3] = 0.8  # twelve pixels are too few
-    assert outcomes(maps, Rule(0.5, 0.7, 16)).tolist() == [IDENTICAL, DIFFERENT, MOVED, IDENTICAL]
-    assert outcomes(maps, Rule(0.5, 0.7, 12)).tolist()[3] == MOVED
-    assert outcomes(maps[:, :, ::2, ::2], Rule(0.5, 0.7, 16)).tolist()[:3] == [
+    assert outcomes(maps, DecisionThresholds(0.5, 0.7, 16)).tolist() == [
+        IDENTICAL,
+        DIFFERENT,
+        MOVED,
+        IDENTICAL,
+    ]
+    assert outcomes(maps, DecisionThresholds(0.5, 0.7, 12)).tolist()[3] == MOVED
+    assert outcomes(maps[:, :, ::2, ::2], DecisionThresholds(0.5, 0.7, 16)).tolist()[:3] == [
         IDENTICAL,
         DIFFERENT,
         MOVED,
@@ -109,7 +106,7 @@ def test_overlap_by_hand():
 def test_specks_are_taken_away():
     maps = np.zeros((1, 2, 128, 128), np.float32)
     maps[0, 0, :3, :3], maps[0, 0, 50:54, 50:54], maps[0, 1, 0, 0] = 0.9, 0.9, 0.4
-    found = cleaned(maps)
+    found = remove_small_components(maps)
     assert (found > 0.5).sum() == 16 and found[0, 1, 0, 0] == np.float32(0.4) and maps.max() > 0
 
 
@@ -142,7 +139,9 @@ def test_the_rule_is_tuned_to_the_highest_accuracy():
     maps[1], maps[2, 0, :10, :10] = 0.45, 0.65
     truth = np.array([IDENTICAL, DIFFERENT, MOVED])
     rule = tune(maps, truth)
-    assert (outcomes(maps, rule) == truth).all() and not (outcomes(maps, Rule()) == truth).all()
+    assert (outcomes(maps, rule) == truth).all() and not (
+        outcomes(maps, DecisionThresholds()) == truth
+    ).all()
 
 
 # ---- losses ------------------------------------------------------------------------------------------------------------------
@@ -272,14 +271,14 @@ def test_the_image_difference_forgives_a_pixel_and_exposure_and_sees_the_rest():
     assert (found[1][:, 25:55, 35:65] > 0.5).mean() > 0.7 and (
         found[1][:, 80:, 80:] > 0.5
     ).mean() == 0
-    assert outcomes(found, Rule()).tolist()[2] == DIFFERENT
+    assert outcomes(found, DecisionThresholds()).tolist()[2] == DIFFERENT
 
 
 # ---- training ----------------------------------------------------------------------------------------------------------------
 
 
 def test_the_learning_rate_rises_and_falls():
-    recipe = Recipe(visits=4800, learning_rate=0.01)
+    recipe = TrainingSettings(samples=4800, learning_rate=0.01)
     rates = np.array([learning_rate(recipe, step) for step in range(recipe.steps)])
     top = int(np.argmax(rates))
     assert max(rates) == pytest.approx(0.01) and 0 < top < 20 and rates[-1] < 1e-5
@@ -288,9 +287,9 @@ def test_the_learning_rate_rises_and_falls():
 
 def test_a_trained_model_fits_what_it_is_shown():
     pairs = some_pairs()
-    trainer = Trainer(
+    trainer = MaskTrainer(
         "raft",
-        Recipe(visits=1440, batch_size=6, learning_rate=3e-3),
+        TrainingSettings(samples=1440, batch_size=6, learning_rate=3e-3),
         pairs,
         seed=1,
         **SMALL["raft"],
@@ -316,13 +315,15 @@ def test_a_resumed_run_ends_as_one_that_was_not(name):
     pairs = some_pairs()
 
     def run(stop_at: int | None) -> list[torch.Tensor]:
-        trainer = Trainer(name, Recipe(visits=24, batch_size=4), pairs, seed=3, **SMALL[name])
+        trainer = MaskTrainer(
+            name, TrainingSettings(samples=24, batch_size=4), pairs, seed=3, **SMALL[name]
+        )
         while not trainer.finished:
             trainer.advance()
             if trainer.step == stop_at:
                 state = trainer.state()
-                trainer = Trainer(
-                    name, Recipe(visits=24, batch_size=4), pairs, seed=3, **SMALL[name]
+                trainer = MaskTrainer(
+                    name, TrainingSettings(samples=24, batch_size=4), pairs, seed=3, **SMALL[name]
                 )
                 trainer.resume(state)
         assert len(trainer.losses) == trainer.recipe.steps
@@ -333,8 +334,12 @@ def test_a_resumed_run_ends_as_one_that_was_not(name):
 
 
 def test_only_pairs_in_which_something_moved_are_cut_out():
-    trainer = Trainer(
-        "flownet", Recipe(visits=4000, batch_size=64), some_pairs(12), seed=3, **SMALL["flownet"]
+    trainer = MaskTrainer(
+        "flownet",
+        TrainingSettings(samples=4000, batch_size=64),
+        some_pairs(12),
+        seed=3,
+        **SMALL["flownet"],
     )
     kinds = set()
     for trainer.step in range(8):
@@ -361,8 +366,12 @@ def test_augmentation_changes_both_pictures_alike_and_takes_the_masks_along():
 
 
 def test_a_stage_shows_what_it_says():
-    trainer = Trainer(
-        "flownet", Recipe(visits=24_000, batch_size=4), some_pairs(), seed=3, **SMALL["flownet"]
+    trainer = MaskTrainer(
+        "flownet",
+        TrainingSettings(samples=24_000, batch_size=4),
+        some_pairs(),
+        seed=3,
+        **SMALL["flownet"],
     )
     starts = [0, *(round(stage.until * trainer.recipe.steps) for stage in STAGES)]
     assert starts[-1] == trainer.recipe.steps
@@ -386,8 +395,8 @@ def test_parts_are_cut_out_where_something_moved():
     masks = np.zeros_like(pairs.masks)
     masks[:, :, 100:110, 20:30] = True
     pictures = np.where(masks[..., None], np.uint8(255), np.uint8(0)).repeat(3, -1)
-    trainer = Trainer(
-        "flownet", Recipe(visits=400, batch_size=4), pairs, seed=3, **SMALL["flownet"]
+    trainer = MaskTrainer(
+        "flownet", TrainingSettings(samples=400, batch_size=4), pairs, seed=3, **SMALL["flownet"]
     )
     x, y = trainer._cut_out(pictures, masks, np.random.default_rng(1))
     assert x.shape == (len(masks), 2, 3, 64, 64) and y.shape == (len(masks), 2, 64, 64)
@@ -403,17 +412,23 @@ def test_parts_are_cut_out_where_something_moved():
 def predictor(tmp_path):
     path = tmp_path / "raft.predictor"
     torch.manual_seed(0)
-    MaskPredictor("raft", MaskRaft(**SMALL["raft"]), Rule(0.4, 0.6, 8.0), judge=PlaceJudge(4)).save(
-        path, {"seed": "1"}
-    )
+    MaskPredictor(
+        "raft",
+        MaskRaft(**SMALL["raft"]),
+        DecisionThresholds(0.4, 0.6, 8.0),
+        judge=ViewClassifier(4),
+    ).save(path, {"seed": "1"})
     return path
 
 
 def test_a_predictor_is_read_as_it_was_written(predictor):
     loaded = load_predictor(predictor, "raft")
-    assert loaded.rule == Rule(0.4, 0.6, 8.0)
+    assert loaded.rule == DecisionThresholds(0.4, 0.6, 8.0)
     torch.manual_seed(0)
-    for written, read in ((MaskRaft(**SMALL["raft"]), loaded.model), (PlaceJudge(4), loaded.judge)):
+    for written, read in (
+        (MaskRaft(**SMALL["raft"]), loaded.model),
+        (ViewClassifier(4), loaded.judge),
+    ):
         pairs = zip(written.state_dict().items(), read.state_dict().items(), strict=True)
         assert all(
             name == other and torch.allclose(a.float(), b.float(), atol=1e-3)
@@ -433,7 +448,9 @@ def test_a_predictor_is_read_as_it_was_written(predictor):
 
 
 def test_the_difference_is_a_predictor_too(tmp_path):
-    MaskPredictor("difference", None, Rule(0.3, 0.5, 12.0)).save(tmp_path / "d.predictor", {})
+    MaskPredictor("difference", None, DecisionThresholds(0.3, 0.5, 12.0)).save(
+        tmp_path / "d.predictor", {}
+    )
     loaded = load_predictor(tmp_path / "d.predictor", "difference")
     assert loaded.rule.different == 0.3 and set(PREDICTORS) == {"raft", "flownet", "difference"}
     assert loaded.predict(*some_pairs(3).pictures[0]).outcome == "identical"

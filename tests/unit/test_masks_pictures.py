@@ -23,9 +23,9 @@ from sensory_commutativity.change_detection.simulated.object_experiments import 
 )
 from sensory_commutativity.change_detection.simulated.pairs import PairFactory
 from sensory_commutativity.change_detection.simulated.photometric import (
-    jittered,
-    photographed,
-    some_light,
+    apply_camera_noise,
+    jitter_camera,
+    sample_light,
 )
 from sensory_commutativity.change_detection.simulated.scene_sampler import displaced
 from sensory_commutativity.errors import ConfigError, UserError
@@ -136,10 +136,10 @@ def test_an_arm_that_ended_elsewhere_makes_another_view():
 def test_a_photograph_is_almost_the_picture():
     rng = np.random.default_rng(0)
     picture = rng.integers(30, 200, (64, 64, 3)).astype(np.uint8)
-    seen = np.array([photographed(picture, rng) for _ in range(20)])
+    seen = np.array([apply_camera_noise(picture, rng) for _ in range(20)])
     assert (seen != picture).any((1, 2, 3)).all() and np.abs(seen.astype(int) - picture).mean() < 15
-    assert np.linalg.norm(some_light(rng)) == pytest.approx(1)
-    eye = jittered(np.eye(4), 0.4, rng)
+    assert np.linalg.norm(sample_light(rng)) == pytest.approx(1)
+    eye = jitter_camera(np.eye(4), 0.4, rng)
     assert (
         eye[:3, :3] @ eye[:3, :3].T == pytest.approx(np.eye(3))
         and 0 < np.abs(eye - np.eye(4)).max() < 0.05

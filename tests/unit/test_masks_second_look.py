@@ -7,7 +7,12 @@ import pytest
 import torch
 
 from sensory_commutativity.change_detection.predictor import MODELS, SURE, MaskPredictor
-from sensory_commutativity.change_detection.tta import WAYS, farther, look_again, look_from_farther
+from sensory_commutativity.change_detection.tta import (
+    WAYS,
+    farther,
+    predict_half_resolution,
+    predict_tta,
+)
 
 
 class Brightness:
@@ -37,7 +42,7 @@ def changed(n: int, side: int, rows: slice, columns: slice) -> np.ndarray:
 @pytest.mark.parametrize(("columns", "sides"), [(slice(3, 20), 128), (slice(3, 100), 64)])
 def test_another_scale_shows_the_same(columns, sides):
     see, pictures = Brightness(), smooth(2)
-    logits = look_again(see, pictures, changed(2, 128, slice(100, 120), columns))
+    logits = predict_tta(see, pictures, changed(2, 128, slice(100, 120), columns))
     assert torch.allclose(logits, pictures.mean(2), atol=0.02)
     assert len(see.shown) == 2 * len(WAYS) and see.shown[-1].shape[-1] == sides
 
@@ -45,7 +50,7 @@ def test_another_scale_shows_the_same(columns, sides):
 def test_what_is_small_is_seen_nearer():
     see, pictures = Brightness(), torch.zeros(1, 2, 3, 128, 128)
     pictures[0, 0, :, 10:20, 118:128] = 1.0
-    logits = look_again(see, pictures, changed(1, 128, slice(10, 20), slice(118, 128)))
+    logits = predict_tta(see, pictures, changed(1, 128, slice(10, 20), slice(118, 128)))
     assert float(see.shown[len(WAYS)][0, 0].mean()) == pytest.approx(
         4 * float(pictures[0, 0].mean()), rel=0.05
     )
@@ -54,7 +59,7 @@ def test_what_is_small_is_seen_nearer():
 
 def test_pictures_that_cannot_be_halved_are_seen_as_they_are():
     see = Brightness()
-    look_again(see, smooth(1, 64), changed(1, 64, slice(0, 64), slice(0, 64)))
+    predict_tta(see, smooth(1, 64), changed(1, 64, slice(0, 64), slice(0, 64)))
     assert len(see.shown) == len(WAYS)
 
 
@@ -67,15 +72,15 @@ def test_pairs_of_either_kind_keep_their_places():
             np.zeros((1, 128, 128), bool),
         ]
     )
-    assert torch.allclose(look_again(Brightness(), pictures, where), pictures.mean(2), atol=1e-5)
+    assert torch.allclose(predict_tta(Brightness(), pictures, where), pictures.mean(2), atol=1e-5)
 
 
 def test_a_look_from_farther():
     see, pictures = Brightness(), smooth(2)
-    assert torch.allclose(look_from_farther(see, pictures), pictures.mean(2), atol=0.02)
+    assert torch.allclose(predict_half_resolution(see, pictures), pictures.mean(2), atol=0.02)
     assert len(see.shown) == len(WAYS) and see.shown[-1].shape[-1] == 64
     with pytest.raises(ValueError, match="96 x 128 pixels cannot be halved"):
-        look_from_farther(see, torch.zeros(1, 2, 3, 96, 128))
+        predict_half_resolution(see, torch.zeros(1, 2, 3, 96, 128))
     assert (
         farther((128, 160)) == (64, 64)
         and farther((192, 128)) == (96, 64)
@@ -89,7 +94,12 @@ def test_every_model_can_look_again_at_pictures_that_are_not_square(name):
     see = MaskPredictor(name, MODELS[name]())._see
     everywhere = changed(1, 128, slice(0, 128), slice(0, 128)).repeat(2, 2)[:, :, :160]
     with torch.inference_mode():
-        assert look_again(see, torch.zeros(1, 2, 3, 128, 160), everywhere).shape == (1, 2, 128, 160)
+        assert predict_tta(see, torch.zeros(1, 2, 3, 128, 160), everywhere).shape == (
+            1,
+            2,
+            128,
+            160,
+        )
 
 
 class Doubtful(torch.nn.Module):

@@ -10,16 +10,17 @@ from PIL import Image
 from sensory_commutativity.helpers import DEFAULT
 
 from sensory_commutativity.change_detection.models.view_classifier import CHANNELS, SIDE
+from sensory_commutativity.change_detection.pair_files import Pairs, write_pairs
 from sensory_commutativity.change_detection.predictor import MODELS, MaskPredictor, load_predictor
 from sensory_commutativity.change_detection.simulated.pairs import Pair
 from sensory_commutativity.change_detection.training import trainer as cycle
-from sensory_commutativity.change_detection.training.mask_trainer import Trainer
+from sensory_commutativity.change_detection.training.mask_trainer import MaskTrainer
 from sensory_commutativity.change_detection.training.view_classifier_trainer import (
-    JudgeTrainer,
     Places,
+    ViewClassifierTrainer,
 )
 from sensory_commutativity.cli import main
-from sensory_commutativity.storage.arrays import Pairs, write_arrays, write_pairs
+from sensory_commutativity.storage.arrays import write_arrays
 from sensory_commutativity.storage.tables import read_table
 from sensory_commutativity.studies.loading import load, validate
 from sensory_commutativity.studies.objects.data import mask_places
@@ -60,8 +61,8 @@ def config(monkeypatch):
     scale = MODELS["flownet"]
     monkeypatch.setitem(MODELS, "flownet", lambda **given: scale(**(given or {"scale": 0.05})))
     settings = load(DEFAULT).model_dump(mode="json")
-    settings["masks"]["flownet"] |= {"visits": 48, "batch_size": 4, "checkpoints": 3}
-    settings["masks"]["judge"] |= {"pairs": 2, "visits": 24, "batch_size": 4}
+    settings["masks"]["flownet"] |= {"samples": 48, "batch_size": 4, "checkpoints": 3}
+    settings["masks"]["judge"] |= {"pairs": 2, "samples": 24, "batch_size": 4}
     return validate(settings)
 
 
@@ -80,15 +81,15 @@ def test_a_killed_training_ends_as_one_that_was_not(files, config, monkeypatch, 
     trained(files, config, "whole")
     assert capsys.readouterr().err.count("validation: accuracy") == 3
     monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
-    advance, steps = Trainer.advance, []
+    advance, steps = MaskTrainer.advance, []
 
-    def killed_twice(trainer: Trainer) -> float:
+    def killed_twice(trainer: MaskTrainer) -> float:
         steps.append(trainer.step)
         if len(steps) in (3, 8):
             raise KeyboardInterrupt
         return advance(trainer)
 
-    monkeypatch.setattr(Trainer, "advance", killed_twice)
+    monkeypatch.setattr(MaskTrainer, "advance", killed_twice)
     for _ in range(2):
         with pytest.raises(KeyboardInterrupt):
             trained(files, config, "killed")
@@ -109,7 +110,7 @@ def some_places(n: int, seed: int = 0) -> Places:
     )
 
 
-def judged(files, config, name: str, places: str = "places") -> MaskPredictor:
+def refine_masks(files, config, name: str, places: str = "places") -> MaskPredictor:
     out = files / f"{name}.predictor"
     mask_judging.write_judged(
         config,
@@ -129,20 +130,20 @@ def test_a_killed_judging_ends_as_one_that_was_not(files, config, monkeypatch):
     monkeypatch.setattr(
         mask_judging, "quality", lambda *_: (0.5, 0.5)
     )  # what it is taught helps nobody
-    assert judged(files, config, "whole").judge is not None
+    assert refine_masks(files, config, "whole").judge is not None
     monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
-    advance, steps = JudgeTrainer.advance, []
+    advance, steps = ViewClassifierTrainer.advance, []
 
-    def killed(trainer: JudgeTrainer) -> float:
+    def killed(trainer: ViewClassifierTrainer) -> float:
         steps.append(trainer.step)
         if len(steps) == 4:
             raise KeyboardInterrupt
         return advance(trainer)
 
-    monkeypatch.setattr(JudgeTrainer, "advance", killed)
+    monkeypatch.setattr(ViewClassifierTrainer, "advance", killed)
     with pytest.raises(KeyboardInterrupt):
-        judged(files, config, "killed")
-    judged(files, config, "killed")
+        refine_masks(files, config, "killed")
+    refine_masks(files, config, "killed")
     assert steps == [0, 1, 2, 3, 3, 4, 5]
     assert (files / "killed.predictor").read_bytes() == (files / "whole.predictor").read_bytes()
     assert not list(files.glob(".*")), "checkpoints are left"
@@ -156,7 +157,7 @@ def test_places_are_found_in_the_first_pairs_in_which_something_moved(files, con
         shown.append((pictures, masks))
         return given[len(shown) - 1]
 
-    monkeypatch.setattr(mask_places, "places_in", seen)
+    monkeypatch.setattr(mask_places, "labelled_regions", seen)
     for name in "ab":
         mask_places.write_mask_places(
             config,
@@ -200,7 +201,7 @@ def test_a_judge_is_kept_unless_it_harms(view, kept, capsys):
     after = mask_judging.given_a_judge(predictor, SaysEmpty(view), found, pairs)
     assert (predictor.judge is not None) == kept
     assert np.array_equal(after > 0.5, masks if kept else found > 0.5)
-    assert ("left out; show it more places (masks.judge.visits)" in capsys.readouterr().err) == (
+    assert ("left out; show it more places (masks.judge.samples)" in capsys.readouterr().err) == (
         not kept
     )
 
@@ -213,7 +214,7 @@ def test_a_model_that_finds_no_place_gets_no_judge(files, config):
         Places(np.zeros((0, CHANNELS, SIDE, SIDE), np.float16), np.zeros((0, 2), bool))._asdict(),
         {},
     )
-    assert judged(files, config, "alone", "none").judge is None
+    assert refine_masks(files, config, "alone", "none").judge is None
 
 
 def test_a_trained_predictor_from_the_command_line(files, config):

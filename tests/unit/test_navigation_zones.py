@@ -1,4 +1,4 @@
-"""Zones in the world and in many rooms: seen, not felt, and judged as Gymnasium's own vector environment judges them."""
+"""Zones in the world and in many rooms: seen, not felt, and refine_masks as Gymnasium's own vector environment judges them."""
 
 from __future__ import annotations
 

@@ -86,8 +86,8 @@ def test_experiments_have_a_row_each(experiments):
 
 @pytest.mark.parametrize("cuts", [[0, 6], [0, 1, 6], [0, 3, 4, 6], [0, 1, 2, 3, 4, 5, 6]], ids=str)
 def test_experiments_do_not_depend_on_how_they_are_cut(cuts, experiments, tiny_config):
-    pieces = [run_experiments(tiny_config, FURNISHED, low, high) for low, high in pairwise(cuts)]
-    pd.testing.assert_frame_equal(pd.concat(pieces, ignore_index=True), experiments)
+    drawables = [run_experiments(tiny_config, FURNISHED, low, high) for low, high in pairwise(cuts)]
+    pd.testing.assert_frame_equal(pd.concat(drawables, ignore_index=True), experiments)
     backwards = [
         run_experiments(tiny_config, FURNISHED, low, high)
         for low, high in reversed(list(pairwise(cuts)))
@@ -401,8 +401,10 @@ def test_commutation_has_every_unordered_pair_once(commutation):
 
 @pytest.mark.parametrize("cuts", [[0, 1, 3], [0, 2, 3], [0, 1, 2, 3]], ids=str)
 def test_commutation_does_not_depend_on_how_it_is_cut(cuts, commutation, tiny_config):
-    pieces = [run_commutation(tiny_config, "furnished", low, high) for low, high in pairwise(cuts)]
-    pd.testing.assert_frame_equal(pd.concat(pieces, ignore_index=True), commutation)
+    drawables = [
+        run_commutation(tiny_config, "furnished", low, high) for low, high in pairwise(cuts)
+    ]
+    pd.testing.assert_frame_equal(pd.concat(drawables, ignore_index=True), commutation)
 
 
 @pytest.mark.parametrize(("world", "rest_steps"), [("furnished", 3), ("settled", 5)])

@@ -11,11 +11,11 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 from sensory_commutativity.running import ENVIRONMENT, command, copy_workflow, snakemake
+from sensory_commutativity.studies.catalogue import ARRAYS, FIGURES, source_file
 
 from sensory_commutativity.runs.checksums import FOLDERS, MANIFEST, read_manifest
 from sensory_commutativity.runs.verify import verify_run
 from sensory_commutativity.storage.tables import TABLES, read_table
-from sensory_commutativity.studies.catalogue import ARRAYS, FIGURES, source_file
 from sensory_commutativity.studies.loading import load
 
 WRITTEN = set(TABLES) - {"flatland_commutation_experiments"}  # that one stays among the raw data
@@ -202,7 +202,7 @@ def test_a_second_run_does_nothing(finished: Path) -> None:
             {"mask_pairs", "mask_tuples"},
         ),
         (
-            "masks: {judge: {visits: 12}}",
+            "masks: {judge: {samples: 12}}",
             {"mask_judging", "mask_model_scores"},
             {"mask_training", "mask_places", "mask_tuples"},
         ),

@@ -13,7 +13,7 @@ MASK = 0.5
 """Probability from which a pixel belongs to a mask."""
 
 
-class Rule(NamedTuple):
+class DecisionThresholds(NamedTuple):
     """How probabilities become one of three outcomes; set on pairs that are neither trained on nor tested on.
 
     Attributes
@@ -31,8 +31,8 @@ class Rule(NamedTuple):
     area: float = 16.0
 
 
-def outcomes(probabilities: np.ndarray, rule: Rule) -> np.ndarray:
-    """Places in OUTCOMES of maps float (n, 2, h, w): int8 (n,)."""
+def outcomes(probabilities: np.ndarray, rule: DecisionThresholds) -> np.ndarray:
+    """Indices into OUTCOMES of maps float (n, 2, h, w): int8 (n,)."""
     height, width = probabilities.shape[2:]
     everything = probabilities.mean((1, 2, 3)) > rule.different
     something = (probabilities > rule.sure).sum((1, 2, 3)) >= rule.area * height * width / 128**2
@@ -44,7 +44,7 @@ def outcomes(probabilities: np.ndarray, rule: Rule) -> np.ndarray:
     return found.astype(np.int8)
 
 
-def cleaned(probabilities: np.ndarray, least: float = SEEN) -> np.ndarray:
+def remove_small_components(probabilities: np.ndarray, least: float = SEEN) -> np.ndarray:
     """The maps, float (n, 2, h, w), without specks: connected parts above MASK with less than `least` pixels of 128 x 128 become 0.
 
     So much must be in sight of a thing to count (:mod:`.outcome`).
@@ -73,10 +73,10 @@ def intersection_over_union(probabilities: np.ndarray, masks: np.ndarray) -> np.
         return np.where(either > 0, both / np.maximum(either, 1), np.nan)
 
 
-def tune(probabilities: np.ndarray, truth: np.ndarray) -> Rule:
-    """The rule with the highest accuracy on pairs neither trained nor tested on; of equal ones the first. `truth`: places in OUTCOMES, int (n,)."""
+def tune(probabilities: np.ndarray, truth: np.ndarray) -> DecisionThresholds:
+    """The rule with the highest accuracy on pairs neither trained nor tested on; of equal ones the first. `truth`: indices into OUTCOMES, int (n,)."""
     rules = [
-        Rule(d, s, a)
+        DecisionThresholds(d, s, a)
         for d in (0.5, 0.4, 0.6, 0.3)
         for s in (0.7, 0.5, 0.6, 0.8, 0.9)
         for a in (16.0, 8.0, 12.0, 24.0, 32.0, 48.0)
@@ -85,7 +85,7 @@ def tune(probabilities: np.ndarray, truth: np.ndarray) -> Rule:
 
 
 def quality(
-    probabilities: np.ndarray, truth: np.ndarray, masks: np.ndarray, rule: Rule
+    probabilities: np.ndarray, truth: np.ndarray, masks: np.ndarray, rule: DecisionThresholds
 ) -> tuple[float, float]:
     """Accuracy of the outcomes, and mean intersection over union where something moved, both in [0, 1]; NaN where nothing did.
 
@@ -93,9 +93,9 @@ def quality(
     ----------
     probabilities : float (n, 2, h, w)
     truth : int (n,)
-        Places in OUTCOMES.
+        Indices into OUTCOMES.
     masks : bool (n, 2, h, w)
-    rule : Rule
+    rule : DecisionThresholds
     """
     moved = truth == MOVED
     iou = intersection_over_union(probabilities[moved], masks[moved])

@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image, ImageOps, UnidentifiedImageError
 from scipy.ndimage import maximum_filter
 
-from ..storage.tables import written_whole
+from ..storage.atomic import atomic_write
 from .decision import MASK
 from .outcome import Outcome
 from .predictor import PredictorError, load_predictor, of_one_size
@@ -53,7 +53,7 @@ def predict_files(first: Path, second: Path, predictor: Path | None, out: Path) 
             _resized(one, masks.shape[1:], Image.Resampling.BILINEAR) > MASK
             for one in found.probabilities
         ]
-    with written_whole(out) as temporary:
+    with atomic_write(out) as temporary:
         Image.fromarray(
             np.concatenate([outlined(*pair) for pair in zip(pictures, masks, strict=True)], axis=1)
         ).save(temporary, format="PNG")

@@ -12,13 +12,13 @@ from torch import Tensor, nn
 
 from ..errors import UserError
 from ..storage.checkpoints import load_state, save_state
-from .decision import MASK, Rule, cleaned, outcomes
+from .decision import MASK, DecisionThresholds, outcomes, remove_small_components
 from .models.flownet import MaskFlowNet
 from .models.image_difference import difference
 from .models.raft import MaskRaft
-from .models.view_classifier import PlaceJudge, judged
+from .models.view_classifier import ViewClassifier, refine_masks
 from .outcome import OUTCOMES, SEEN, Outcome
-from .tta import LEAST_SIDE, SIDE_STEP, farther, look_again, look_from_farther
+from .tta import LEAST_SIDE, SIDE_STEP, farther, predict_half_resolution, predict_tta
 
 MODELS: dict[str, Callable[..., nn.Module]] = {"raft": MaskRaft, "flownet": MaskFlowNet}
 UNTRAINED = "difference"
@@ -49,10 +49,10 @@ class MaskPredictor:
         One of PREDICTORS.
     model : torch.nn.Module, optional
         None for the image difference.
-    rule : Rule
+    rule : DecisionThresholds
     device : str
         ``cpu`` or ``cuda``.
-    judge : PlaceJudge, optional
+    judge : ViewClassifier, optional
         None leaves doubts about which view a thing is in as they are.
     """
 
@@ -60,11 +60,11 @@ class MaskPredictor:
         self,
         name: str,
         model: nn.Module | None,
-        rule: Rule | None = None,
+        rule: DecisionThresholds | None = None,
         device: str = "cpu",
-        judge: PlaceJudge | None = None,
+        judge: ViewClassifier | None = None,
     ):
-        self.name, self.rule, self.device = name, rule or Rule(), device
+        self.name, self.rule, self.device = name, rule or DecisionThresholds(), device
         self.model = model.to(device).eval() if model is not None else None
         self.judge = judge.to(device).eval() if judge is not None else None
 
@@ -78,33 +78,35 @@ class MaskPredictor:
         """
         pictures = checked(pictures)
         if self.model is None:
-            return cleaned(difference(pictures))
+            return remove_small_components(difference(pictures))
         found = np.empty(pictures.shape[:4], np.float32)
         with torch.inference_mode():
             for start in range(0, len(pictures), batch_size):
                 part = slice(start, start + batch_size)
                 x = as_tensor(pictures[part], self.device)
-                found[part] = cleaned(_probabilities(self._see(x)))
+                found[part] = remove_small_components(_probabilities(self._see(x)))
                 if again:
-                    self._look_again(pictures[part], x, found[part])
+                    self._apply_tta(pictures[part], x, found[part])
         return found
 
-    def _look_again(self, pictures: np.ndarray, x: Tensor, found: np.ndarray) -> None:
+    def _apply_tta(self, pictures: np.ndarray, x: Tensor, found: np.ndarray) -> None:
         """Mend what was found at first sight, float (n, 2, h, w), where it is in doubt. `pictures` and `x` are the same."""
         changed = found > MASK
         mean = found.mean((1, 2, 3))
         moved = np.nonzero(changed.any((1, 2, 3)) & (mean <= MASK))[0]
         if len(moved):
             # that something moved is known by now, so of the other view less needs to be in sight
-            found[moved] = cleaned(
-                _probabilities(look_again(self._see, x[moved], changed[moved].any(1))), SEEN / 2
+            found[moved] = remove_small_components(
+                _probabilities(predict_tta(self._see, x[moved], changed[moved].any(1))), SEEN / 2
             )
         unsure = np.nonzero((mean > MASK) & (mean <= SURE))[0]
         if len(unsure) and farther(x.shape[-2:]):
-            found[unsure] = cleaned(_probabilities(look_from_farther(self._see, x[unsure])))
+            found[unsure] = remove_small_components(
+                _probabilities(predict_half_resolution(self._see, x[unsure]))
+            )
         if self.judge is not None:
             doubtful = np.union1d(moved, unsure)
-            found[doubtful] = judged(self.judge, found[doubtful], pictures[doubtful])
+            found[doubtful] = refine_masks(self.judge, found[doubtful], pictures[doubtful])
 
     def _see(self, pictures: Tensor) -> Tensor:
         """Logits, float (n, 2, h, w), of pictures float (n, 2, 3, h, w)."""
@@ -147,11 +149,11 @@ def load_predictor(path: Path, expected: str | None = None, device: str = "cpu")
             f"{path}: holds the model {state['name']!r}, not {expected!r}; give the file of that model"
         )
     try:
-        rule = Rule(*state["rule"])
+        rule = DecisionThresholds(*state["rule"])
         if state["name"] == UNTRAINED:
             return MaskPredictor(UNTRAINED, None, rule)
         model = _unpacked(MODELS[state["name"]], state["model"])
-        judge = _unpacked(PlaceJudge, state["judge"]) if "judge" in state else None
+        judge = _unpacked(ViewClassifier, state["judge"]) if "judge" in state else None
     except (AttributeError, KeyError, RuntimeError, TypeError, ValueError) as error:
         first = (str(error).splitlines() or ["?"])[0][:100]
         raise PredictorError(

@@ -22,7 +22,7 @@ WAYS = ((), (-1,), (1,), (1, -1))
 """Axes that are turned round, of pictures and of logits alike: none, as in a mirror, exchanged, both."""
 
 
-def look_again(see: See, pictures: Tensor, changed: np.ndarray) -> Tensor:
+def predict_tta(see: See, pictures: Tensor, changed: np.ndarray) -> Tensor:
     """Mean logits of several looks at pairs.
 
     Parameters
@@ -59,7 +59,7 @@ def look_again(see: See, pictures: Tensor, changed: np.ndarray) -> Tensor:
         for part, k, (rows, columns) in zip(seen, near, windows, strict=True):
             logits[k, :, rows, columns] = (logits[k, :, rows, columns] + part) / 2
     if far:
-        logits[far] = (logits[far] + look_from_farther(see, pictures[far])) / 2
+        logits[far] = (logits[far] + predict_half_resolution(see, pictures[far])) / 2
     return logits
 
 
@@ -69,7 +69,7 @@ def farther(sides: Sequence[int]) -> tuple[int, ...] | None:
     return found if min(found) >= LEAST_SIDE else None
 
 
-def look_from_farther(see: See, pictures: Tensor) -> Tensor:
+def predict_half_resolution(see: See, pictures: Tensor) -> Tensor:
     """Mean logits, float (n, 2, h, w), of four looks at half the resolution. Raises ValueError if the pictures are too small for that."""
     sides = farther(pictures.shape[-2:])
     if sides is None:

@@ -1,8 +1,8 @@
 """Recurrent PPO without padding: what Stable-Baselines3's RecurrentPPO learns from, cut along rooms.
 
-sb3-contrib cuts a rollout anywhere, pads the pieces to one length and, where an episode starts inside a batch, runs the LSTM step by step in Python.
+sb3-contrib cuts a rollout anywhere, pads the drawables to one length and, where an episode starts inside a batch, runs the LSTM step by step in Python.
 Here a minibatch is the whole rollout of some rooms. The convolution sees every observation once; only the LSTM's input is padded, in groups of
-pieces of similar length. The loss is the same function of a minibatch; which transitions share one differs. It takes a third of the time.
+drawables of similar length. The loss is the same function of a minibatch; which transitions share one differs. It takes a third of the time.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ class RoomPolicy(RecurrentActorCriticPolicy):
         begin = cut.flatten().nonzero()[:, 0]
         length = torch.diff(begin, append=begin.new_tensor([n * steps]))
         first = begin % steps == 0
-        pieces = []
+        drawables = []
         places = []
         shortest = 0
         for longest in (steps // 4, steps // 2, steps):
@@ -118,9 +118,9 @@ class RoomPolicy(RecurrentActorCriticPolicy):
             keep = first[group].to(features.dtype)[None, :, None]
             initial = (before[0][:, room] * keep, before[1][:, room] * keep)
             offset = torch.arange(int(length[group].max()))
-            inside = offset[:, None] < length[group]  # (time, pieces)
+            inside = offset[:, None] < length[group]  # (time, drawables)
             place = begin[group] + torch.minimum(offset[:, None], length[group] - 1)
             output, _ = lstm(features[place], initial)
-            pieces.append(output[inside])
+            drawables.append(output[inside])
             places.append(place[inside])
-        return torch.cat(pieces)[torch.argsort(torch.cat(places))], lstm_states
+        return torch.cat(drawables)[torch.argsort(torch.cat(places))], lstm_states

@@ -41,7 +41,7 @@ def learner_of_run(
 def settings_of_run(config: Config, scales: Mapping[str, float]) -> str:
     """All settings that a run depends on apart from its action space's name and its seed, as JSON."""
     flatland, navigation = config.flatland, config.navigation
-    judged = {
+    refine_masks = {
         "seeds",
         "action_spaces",
         "calibration_splits",
@@ -59,7 +59,7 @@ def settings_of_run(config: Config, scales: Mapping[str, float]) -> str:
         dict(
             seed=config.seed,
             scales=scales,
-            **{k: part.model_dump(mode="json", exclude=judged) for k, part in parts.items()},
+            **{k: part.model_dump(mode="json", exclude=refine_masks) for k, part in parts.items()},
         )
     )
 

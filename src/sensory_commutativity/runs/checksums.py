@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from ..errors import UserError
-from ..storage.tables import written_whole
+from ..storage.atomic import atomic_write
 
 MANIFEST = "checksums.sha256"
 FOLDERS = ("data", "models", "tables", "figures")
@@ -95,6 +95,6 @@ def write_manifest(path: Path) -> tuple[int, int]:
         raise UserError(
             f"{run}: no run, it holds no files in {', '.join(FOLDERS)}; give a path like results/default/{MANIFEST}"
         )
-    with written_whole(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_text("".join(lines), encoding="utf-8")
     return len(lines) - kept, kept

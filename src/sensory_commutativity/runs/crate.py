@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..errors import UserError
-from ..storage.tables import written_whole
+from ..storage.atomic import atomic_write
 from ..storage.yamlfile import read_yaml
 from .checksums import MANIFEST, files_of, read_manifest, sha256
 from .compare import tables_of
@@ -105,7 +105,7 @@ def write_crate(
     crate.name = f"{workflow['name']}: the run {settings['profile']!r}"
     crate.description = f"Settings, tables, models and figures of the run {settings['profile']!r} of the workflow, and the workflow itself."
     _action(crate, run, settings, workflow, given, results)
-    with written_whole(out) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+    with atomic_write(out) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         for folder in WORKFLOW:
             _put(archive, f"{folder}/", b"")  # named in the metadata, so it must be there itself
         for name, path in inside.items():

@@ -1,4 +1,4 @@
-"""Distances between two observations: how unequal did the sensors end?"""
+"""Distances between two observations."""
 
 from __future__ import annotations
 
@@ -11,9 +11,22 @@ Distance = Callable[[np.ndarray, np.ndarray], float]
 
 
 def mean_squared_error(first: np.ndarray, second: np.ndarray) -> float:
-    """Mean of the squared differences of all elements; the paper's distance in Flatland (section III-A).
+    """Mean of the squared differences of all elements (paper, section III-A).
 
-    Observations of any equal shape and number type; for 8-bit colours the result lies in [0, 255**2]. Raises ValueError when the shapes differ.
+    Parameters
+    ----------
+    first, second : array
+        Observations of the same shape, of any number type.
+
+    Returns
+    -------
+    float
+        For 8-bit colours in [0, 255**2].
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ.
     """
     if first.shape != second.shape:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Equivalence of action sequences, and what is left when two do not commute (paper, sections II-B and II-C)."""
+"""Equivalence of action sequences and commutative residues (paper, sections II-B and II-C)."""
 
 from __future__ import annotations
 
@@ -21,26 +21,45 @@ def equivalent(
     threshold: float = 0.0,
     rest_steps: int = REST_STEPS,
 ) -> bool:
-    """h ~ g under `start` (definition 1): played from there, do they end in the same sensory state?
+    """Whether h ~ g from `start` (definition 1): both end in the same sensory state.
 
-    With threshold 0 this is an equivalence relation (proposition 1); with a larger one it need not be transitive.
+    Parameters
+    ----------
+    world : World
+    start : Snapshot
+        Of `world`.
+    h, g : float (steps, n_dofs), in [-1, 1]
+    distance : callable
+    threshold : float
+        Largest distance that counts as equal. With 0 this is an equivalence relation
+        (proposition 1); with a larger one it need not be transitive.
+    rest_steps : int
+        Steps without a command that end each sequence.
     """
     return distance(*compare_orders(world, start, h, g, rest_steps)) <= threshold
 
 
-def commute(world: World, start: Snapshot, h: np.ndarray, g: np.ndarray, **how) -> bool:
-    """Is h then g equivalent to g then h? Keyword arguments as for :func:`equivalent`."""
-    return equivalent(world, start, compose(h, g), compose(g, h), **how)
+def commute(world: World, start: Snapshot, h: np.ndarray, g: np.ndarray, **options) -> bool:
+    """Whether h then g is equivalent to g then h; `options` as for :func:`equivalent`."""
+    return equivalent(world, start, compose(h, g), compose(g, h), **options)
 
 
 def is_commutative_residue(
-    world: World, start: Snapshot, residue: np.ndarray, first: np.ndarray, second: np.ndarray, **how
+    world: World,
+    start: Snapshot,
+    residue: np.ndarray,
+    first: np.ndarray,
+    second: np.ndarray,
+    **options,
 ) -> bool:
-    """Does `residue` make up for the order (definition 2): first, then second ~ second, then first, then residue?
+    """Whether first, then second is equivalent to second, then first, then residue (definition 2).
 
-    Keyword arguments as for :func:`equivalent`. When the empty sequence is a residue, `first` and `second` commute.
+    `options` as for :func:`equivalent`. If the empty sequence is a residue, `first` and `second`
+    commute.
     """
-    return equivalent(world, start, compose(first, second), compose(second, first, residue), **how)
+    return equivalent(
+        world, start, compose(first, second), compose(second, first, residue), **options
+    )
 
 
 def commutative_residue(
@@ -49,10 +68,10 @@ def commutative_residue(
     first: np.ndarray,
     second: np.ndarray,
     candidates: Iterable[np.ndarray],
-    **how,
+    **options,
 ) -> np.ndarray | None:
-    """The first of `candidates` that is a commutative residue of (`first`, `second`), or None when none of them is."""
+    """Return the first of `candidates` that is a commutative residue, or None."""
     for residue in candidates:
-        if is_commutative_residue(world, start, residue, first, second, **how):
+        if is_commutative_residue(world, start, residue, first, second, **options):
             return residue
     return None

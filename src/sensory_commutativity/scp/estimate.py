@@ -1,4 +1,4 @@
-"""From distances to the Sensory Commutativity Probability, with its interval (paper, section II-E)."""
+"""From distances to the Sensory Commutativity Probability (paper, section II-E)."""
 
 from __future__ import annotations
 
@@ -15,21 +15,23 @@ def commutes(distance: np.ndarray, threshold: float = 0.0) -> np.ndarray:
     return np.asarray(distance) <= threshold
 
 
-def sensory_commutativity_probability(
+def estimate_scp(
     experiments: pd.DataFrame,
     by: Sequence[str],
     thresholds: Sequence[float],
     confidence: float = 0.95,
 ) -> pd.DataFrame:
-    """The SCP of every group of experiments at every threshold.
+    """Estimate the SCP of every group of experiments at every threshold.
 
     Parameters
     ----------
     experiments : DataFrame
         One row per SC-experiment, with a column ``distance`` and the columns `by`.
-    by : column names
-        What makes a group, e.g. world, agent, dof; groups keep the order in which they first appear.
-    thresholds : numbers >= 0
+    by : sequence of str
+        Columns that define a group, e.g. world, agent, dof. Groups keep the order in which they
+        first appear.
+    thresholds : sequence of float, >= 0
+        Largest distances that count as equal.
     confidence : float in (0, 1)
 
     Returns
@@ -38,16 +40,11 @@ def sensory_commutativity_probability(
         A row per group and threshold: `by`, threshold, n, commuted, scp, ci_low, ci_high (Wilson).
     """
     rows = []
-    for group, distance in experiments.groupby(list(by), sort=False, observed=True)["distance"]:
+    groups = experiments.groupby(list(by), sort=False, observed=True)["distance"]
+    for group, distance in groups:
         for threshold in thresholds:
-            rows.append(
-                (
-                    *group,
-                    float(threshold),
-                    len(distance),
-                    int(commutes(distance.to_numpy(), threshold).sum()),
-                )
-            )
+            commuted = int(commutes(distance.to_numpy(), threshold).sum())
+            rows.append((*group, float(threshold), len(distance), commuted))
     table = pd.DataFrame(rows, columns=[*by, "threshold", "n", "commuted"])
     table["scp"] = table["commuted"] / table["n"]
     table["ci_low"], table["ci_high"] = wilson_interval(

@@ -1,11 +1,12 @@
-"""The one idea: play the same actions in two orders from the same start; did the sensors end equal? (paper, definition 3)
+"""The SC-experiment: the same actions in two orders from the same start (paper, definition 3).
 
-Nothing here knows a world; a world is whatever has the five methods of :class:`~sensory_commutativity.worlds.base.World`.
+This is the only module that plays orders. It knows worlds only through the protocols of
+:mod:`sensory_commutativity.scp.world`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,41 +14,63 @@ import numpy as np
 from ..seeding import generator
 from .distances import Distance, mean_squared_error
 from .sequences import compose, no_op, permute, sample_sequence
-from .world import Snapshot, World, play
+from .world import EventReporter, Observation, Snapshot, World, play
 
 REST_STEPS = 3
-"""Steps without a command that end each order, so that what is compared is at rest; chosen: in Flatland's free space one is enough."""
+"""Steps without a command that end each order, so that the agent is at rest when its sensors are
+compared. Chosen: in Flatland's free space one is enough."""
 
 
 class Ending(NamedTuple):
-    """How one order ended: what is sensed at rest, and what the world tells of what happened (nothing, where it has no ``happened``)."""
+    """How one order ended.
 
-    observation: np.ndarray
+    Attributes
+    ----------
+    observation : array
+        What the agent senses at rest.
+    happened : object
+        What the world reports about the order; None if it is no
+        :class:`~sensory_commutativity.scp.world.EventReporter`.
+    """
+
+    observation: Observation
     happened: Any
 
 
 class Outcome(NamedTuple):
-    """The two final observations of an experiment."""
+    """What was observed at the end of each of the two orders of an experiment."""
 
-    first: np.ndarray
-    second: np.ndarray
+    first: Any
+    second: Any
 
 
-def ending(
+def play_order(
     world: World, start: Snapshot, sequence: np.ndarray, rest_steps: int = REST_STEPS
-) -> Ending:
-    """Play `sequence`, float (steps, n_dofs), from `start` until the agent has come to rest."""
+) -> None:
+    """Play `sequence` from `start`, then rest; the world is left at the end of the order.
+
+    Parameters
+    ----------
+    world : World
+    start : Snapshot
+        Of `world`.
+    sequence : float (steps, n_dofs), in [-1, 1]
+    rest_steps : int
+        Steps without a command at the end.
+    """
     world.restore(start)
     play(world, compose(sequence, no_op(rest_steps, sequence.shape[1])))
-    happened = getattr(world, "happened", None)
-    return Ending(world.observe(), happened() if happened else None)
 
 
-def final_observation(
+def iterate_order(
     world: World, start: Snapshot, sequence: np.ndarray, rest_steps: int = REST_STEPS
-) -> np.ndarray:
-    """What is sensed after `sequence`, float (steps, n_dofs), has been played from `start` and the agent has come to rest."""
-    return ending(world, start, sequence, rest_steps).observation
+) -> Iterator[Observation]:
+    """As :func:`play_order`, step by step: observations at the start and after every step."""
+    world.restore(start)
+    yield world.observe()
+    for action in compose(sequence, no_op(rest_steps, sequence.shape[1])):
+        world.step(action)
+        yield world.observe()
 
 
 def compare_orders(
@@ -56,30 +79,83 @@ def compare_orders(
     first: np.ndarray,
     second: np.ndarray,
     rest_steps: int = REST_STEPS,
+    observe: Callable[[], Any] | None = None,
 ) -> Outcome:
-    """Play two sequences, each from `start`."""
-    return Outcome(
-        final_observation(world, start, first, rest_steps),
-        final_observation(world, start, second, rest_steps),
-    )
+    """Play two sequences, each from `start`, and observe the end of each.
 
-
-def sc_experiment(
-    world: World,
-    start: Snapshot,
-    sequence: np.ndarray,
-    rng: np.random.Generator,
-    rest_steps: int = REST_STEPS,
-) -> Outcome:
-    """Sensory commutativity experiment: `sequence` against a random permutation of itself."""
-    return compare_orders(world, start, sequence, permute(rng, sequence), rest_steps)
+    Parameters
+    ----------
+    world, start, rest_steps
+        As for :func:`play_order`.
+    first, second : float (steps, n_dofs), in [-1, 1]
+    observe : callable, optional
+        What to record at the end of an order; by default ``world.observe``.
+    """
+    observe = observe or world.observe
+    observed = []
+    for sequence in (first, second):
+        play_order(world, start, sequence, rest_steps)
+        observed.append(observe())
+    return Outcome(*observed)
 
 
 def commutation_experiment(
     world: World, start: Snapshot, h: np.ndarray, g: np.ndarray, rest_steps: int = REST_STEPS
 ) -> Outcome:
-    """Do two sequences commute? First `h` then `g`, against first `g` then `h` (Philipona's conjecture, section II-C)."""
+    """First `h` then `g`, against first `g` then `h` (Philipona's conjecture, section II-C)."""
     return compare_orders(world, start, compose(h, g), compose(g, h), rest_steps)
+
+
+def orders_per_dof(
+    world: World, seed: int, length: int
+) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """Yield a random sequence and a random permutation of it for every degree of freedom.
+
+    Each degree of freedom has a random stream of its own, keyed by its name.
+
+    Yields
+    ------
+    dof : str
+    sequence, permuted : float (length, n_dofs), in [-1, 1]
+    """
+    for k, dof in enumerate(world.dofs):
+        rng = generator(seed, "sequence", dof.name)
+        sequence = sample_sequence(rng, length, k, len(world.dofs))
+        yield dof.name, sequence, permute(rng, sequence)
+
+
+def endings_per_dof(
+    world: World, seed: int, length: int, rest_steps: int = REST_STEPS
+) -> dict[str, Outcome]:
+    """One SC-experiment per degree of freedom, all from one random start: how both orders ended.
+
+    Parameters
+    ----------
+    world : World
+        Is reset.
+    seed : int
+        Determines everything random: the start, and a sequence and a permutation for each degree
+        of freedom.
+    length : int
+        Actions in a sequence.
+    rest_steps : int
+
+    Returns
+    -------
+    dict
+        Name of the degree of freedom -> an Outcome that holds the Ending of each order.
+    """
+    world.reset(generator(seed, "situation"))
+    start = world.snapshot()
+
+    def observe() -> Ending:
+        observation = world.observe()
+        return Ending(observation, world.happened() if isinstance(world, EventReporter) else None)
+
+    return {
+        dof: compare_orders(world, start, sequence, permuted, rest_steps, observe)
+        for dof, sequence, permuted in orders_per_dof(world, seed, length)
+    }
 
 
 def distances_per_dof(
@@ -89,50 +165,10 @@ def distances_per_dof(
     distance: Distance = mean_squared_error,
     rest_steps: int = REST_STEPS,
 ) -> dict[str, float]:
-    """One SC-experiment of every degree of freedom, all from the same random start situation.
-
-    Parameters
-    ----------
-    world : World
-        Is reset.
-    seed : int
-        Everything random follows from it: the situation, and a sequence and a permutation for each degree of freedom by its name.
-    length : int
-        Actions in a sequence.
-
-    Returns
-    -------
-    dict
-        Name of the degree of freedom -> distance of the two final observations.
-    """
-    world.reset(generator(seed, "situation"))
-    start = world.snapshot()
-    found = {}
-    for dof, sequence, permuted in orders_per_dof(world, seed, length):
-        found[dof] = distance(*compare_orders(world, start, sequence, permuted, rest_steps))
-    return found
-
-
-def endings_per_dof(
-    world: World, seed: int, length: int, rest_steps: int = REST_STEPS
-) -> dict[str, tuple[Ending, Ending]]:
-    """As :func:`distances_per_dof`, but how both orders ended, for distances that are computed later and for what happened on the way."""
+    """As :func:`endings_per_dof`, but the distance of the two final observations."""
     world.reset(generator(seed, "situation"))
     start = world.snapshot()
     return {
-        dof: (
-            ending(world, start, sequence, rest_steps),
-            ending(world, start, permuted, rest_steps),
-        )
+        dof: distance(*compare_orders(world, start, sequence, permuted, rest_steps))
         for dof, sequence, permuted in orders_per_dof(world, seed, length)
     }
-
-
-def orders_per_dof(
-    world: World, seed: int, length: int
-) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Degree of freedom, a random sequence of it and a random permutation of that, for every degree of freedom, from streams of its own name."""
-    for k, dof in enumerate(world.dofs):
-        rng = generator(seed, "sequence", dof.name)
-        sequence = sample_sequence(rng, length, k, len(world.dofs))
-        yield dof.name, sequence, permute(rng, sequence)

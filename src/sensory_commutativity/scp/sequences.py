@@ -1,6 +1,7 @@
-"""Action sequences: Seq(M), its composition, and random permutations (paper, sections II-B and II-D).
+"""Action sequences: Seq(M), composition and random permutation (paper, sections II-B and II-D).
 
-A sequence is a float64 array of shape (steps, n_dofs), each element in [-1, 1]; an action on one degree of freedom has zeros elsewhere.
+A sequence is a float64 array of shape (steps, n_dofs) with elements in [-1, 1]; an action on one
+degree of freedom has zeros elsewhere.
 """
 
 from __future__ import annotations
@@ -9,7 +10,12 @@ import numpy as np
 
 
 def sample_sequence(rng: np.random.Generator, length: int, dof: int, n_dofs: int) -> np.ndarray:
-    """A sequence in Seq(M_k): `length` actions, uniform in [-1, 1], on the degree of freedom number `dof`; float64 (length, n_dofs)."""
+    """Sample a sequence of Seq(M_k): actions uniform in [-1, 1] on the degree of freedom `dof`.
+
+    Returns
+    -------
+    float64 (length, n_dofs)
+    """
     sequence = np.zeros((length, n_dofs))
     sequence[:, dof] = rng.uniform(-1.0, 1.0, length)
     return sequence
@@ -21,7 +27,7 @@ def permute(rng: np.random.Generator, sequence: np.ndarray) -> np.ndarray:
 
 
 def compose(first: np.ndarray, *following: np.ndarray) -> np.ndarray:
-    """Play `first`, then what follows: the paper's composition, read from left to right in the order of time."""
+    """Play `first`, then `following`: the paper's composition, read from left to right in time."""
     return np.concatenate([first, *following])
 
 
@@ -31,5 +37,5 @@ def no_op(length: int, n_dofs: int) -> np.ndarray:
 
 
 def inverse(sequence: np.ndarray) -> np.ndarray:
-    """The opposite actions in the opposite order: undoes `sequence` where nothing in the environment is irreversible."""
+    """The opposite actions in reverse order: undoes `sequence` if the environment is reversible."""
     return -sequence[::-1]

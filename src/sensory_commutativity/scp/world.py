@@ -1,8 +1,8 @@
-"""What the experiment asks of a world: five methods and a list of degrees of freedom.
+"""The contract between the experiment and a world: five methods and a tuple of degrees of freedom.
 
-A world is anything with a body that can be commanded and senses that can be read: the 2-D Flatland of this package, a robot in a physics
-engine, or your own. The experiment (:mod:`sensory_commutativity.experiment`) knows worlds only through :class:`World`; nothing outside
-:mod:`sensory_commutativity.worlds` imports a physics engine.
+A world is anything with a body that can be commanded and sensors that can be read: the 2-D
+Flatland of this package, a robot in a physics engine, or your own. The experiment
+(:mod:`sensory_commutativity.scp.experiment`) knows worlds only through the protocols below.
 """
 
 from __future__ import annotations
@@ -13,7 +13,10 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 Snapshot = Any
-"""An opaque value from which a world can be put back exactly; only the world that made it reads it."""
+"""An opaque value from which a world can be restored exactly; only its own world reads it."""
+
+Observation = np.ndarray
+"""What the agent senses at one moment, of any shape and number type that stays the same."""
 
 
 @dataclass(frozen=True)
@@ -23,15 +26,18 @@ class Dof:
     Attributes
     ----------
     name : str
-        Lower-case, words joined by hyphens: ``left-elbow``.
+        Lower case, words joined by hyphens: ``left-elbow``.
     unit : str
-        Unit of what an action moves: ``rad``, ``units`` (of length in Flatland), ``1`` (a pure number).
+        Unit of the moved quantity: ``rad``, ``units`` (of length in Flatland), ``1`` (a pure
+        number).
     speed : float
-        What an action of 1 moves in all, in `unit`; a world may show the end of the motion a little later. An action of -1 moves it back.
+        How far one action of 1 moves in total, in `unit`; the motion may end a little later than
+        the step. An action of -1 moves back by as much.
     low, high : float
-        Range of the moved quantity relative to its start, in `unit`; infinite where nothing stops it.
+        Range of the moved quantity relative to its start, in `unit`; infinite without stops.
     displaces : bool
-        Whether the motion displaces something in the world (Philipona's *displacement*): false for an eyelid or a turning eye.
+        Whether the motion displaces matter (Philipona's *displacement*): false for an eyelid or
+        an eye that turns.
     """
 
     name: str
@@ -44,10 +50,11 @@ class Dof:
 
 @runtime_checkable
 class World(Protocol):
-    """An embodied agent in its surroundings.
+    """An embodied agent and its environment.
 
-    Two promises make the SC-experiment meaningful, and every world of this package is tested for both: a replay from a restored snapshot is
-    *bit-identical*, and in empty unbounded space every degree of freedom commutes.
+    The SC-experiment rests on two promises, and every world of this package is tested for both: a
+    replay from a restored snapshot is *bit-identical*, and in empty unbounded space every degree
+    of freedom commutes.
     """
 
     dofs: tuple[Dof, ...]
@@ -56,26 +63,41 @@ class World(Protocol):
         """Draw a valid start situation, at rest."""
 
     def snapshot(self) -> Snapshot:
-        """Return the present situation. The same steps from a restored snapshot and from here on end bit-identically."""
+        """Return the present situation.
+
+        The same steps from here, and from the restored snapshot, end bit-identically.
+        """
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Put the world back into the situation of `snapshot`."""
+        """Return to the situation of `snapshot`."""
 
     def step(self, action: np.ndarray) -> None:
-        """Play one action: float array of shape (len(dofs),), each element in [-1, 1]; beyond that it is clipped."""
+        """Play one action: float array of shape (len(dofs),), clipped to [-1, 1]."""
 
-    def observe(self) -> np.ndarray:
-        """Return what the agent senses now; a new array, never a view of internal memory."""
+    def observe(self) -> Observation:
+        """Return what the agent senses now: a new array, never a view of internal memory."""
+
+
+@runtime_checkable
+class SequencePlayer(Protocol):
+    """A world that plays a whole sequence faster than step by step, with the same result."""
+
+    def play(self, actions: np.ndarray) -> None:
+        """Play `actions`, float array of shape (steps, len(dofs)); ends where single steps end."""
+
+
+@runtime_checkable
+class EventReporter(Protocol):
+    """A world that knows more about the last sequence than the agent senses, such as contacts."""
+
+    def happened(self) -> Any:
+        """Return what happened since the last :meth:`World.restore` or :meth:`World.reset`."""
 
 
 def play(world: World, actions: np.ndarray) -> None:
-    """Play `actions`, float array of shape (steps, len(dofs)), one after the other.
-
-    A world that brings its own ``play(actions)`` (a compiled loop, say) is asked to do it; it must end exactly where single steps would.
-    """
-    own = getattr(world, "play", None)
-    if own is not None:
-        own(actions)
+    """Play `actions`, float array of shape (steps, len(dofs)), one after the other."""
+    if isinstance(world, SequencePlayer):
+        world.play(actions)
     else:
         for action in actions:
             world.step(action)

@@ -7,22 +7,14 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
 
 import h5py
 import numpy as np
 
-from ..change_detection.outcome import OUTCOMES
 from ..errors import UserError
-from .tables import written_whole
-
-if TYPE_CHECKING:
-    from ..change_detection.simulated.pairs import (
-        Pair,  # imports PyBullet, which training does not need
-    )
+from .atomic import atomic_write
 
 FORMAT = 2
 REMEDY = "delete it, and run the workflow again"
@@ -30,25 +22,6 @@ REMEDY = "delete it, and run the workflow again"
 
 class StoreError(UserError):
     """A file of arrays cannot be used."""
-
-
-class Pairs(NamedTuple):
-    """Many pairs.
-
-    Attributes
-    ----------
-    pictures : uint8 (n, 2, h, w, 3)
-    masks : bool (n, 2, h, w)
-    outcome : int8 (n,)
-        Places in OUTCOMES.
-    kind : tuple of str
-        How each came about.
-    """
-
-    pictures: np.ndarray
-    masks: np.ndarray
-    outcome: np.ndarray
-    kind: tuple[str, ...]
 
 
 def write_arrays(
@@ -67,7 +40,7 @@ def write_arrays(
                 track_times=False,
             )
         file.attrs.update(format=FORMAT, content=content, sha256=_digest(arrays, about), **about)
-    with written_whole(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_bytes(whole.getbuffer())
 
 
@@ -100,49 +73,6 @@ def pack(masks: np.ndarray) -> np.ndarray:
 def unpack(masks: np.ndarray, width: int) -> np.ndarray:
     """The reverse of :func:`pack`."""
     return np.unpackbits(masks, axis=-1, count=width).astype(bool)
-
-
-def write_pairs(path: Path, pairs: Sequence[Pair], about: Mapping[str, str]) -> None:
-    """Write pairs, all of one size, and what they come from."""
-    kinds = sorted({pair.kind for pair in pairs})
-    arrays = dict(
-        pictures=np.stack([pair.pictures for pair in pairs]),
-        masks=pack(np.stack([pair.masks for pair in pairs])),
-        outcome=np.array([OUTCOMES.index(pair.outcome) for pair in pairs], np.int8),
-        kind=np.array([kinds.index(pair.kind) for pair in pairs], np.int8),
-    )
-    write_arrays(
-        path,
-        "pairs",
-        arrays,
-        {"outcomes": json.dumps(OUTCOMES), "kinds": json.dumps(kinds), **about},
-    )
-
-
-def read_pairs(*paths: Path) -> Pairs:
-    """Read what :func:`write_pairs` wrote, all files as one. Raises StoreError."""
-    parts = []
-    for path in paths:
-        arrays, about = read_arrays(path, "pairs")
-        kinds = json.loads(about["kinds"])
-        masks = unpack(arrays["masks"], arrays["pictures"].shape[3])
-        parts.append(
-            Pairs(
-                arrays["pictures"],
-                masks,
-                arrays["outcome"],
-                tuple(kinds[k] for k in arrays["kind"]),
-            )
-        )
-    shapes = {part.pictures.shape[1:] for part in parts}
-    if len(shapes) > 1:
-        raise StoreError(
-            f"{paths[0]} and others: pictures of several sizes, {sorted(shapes)}; {REMEDY}"
-        )
-    return Pairs(
-        *(np.concatenate([part[k] for part in parts]) for k in range(3)),
-        tuple(kind for part in parts for kind in part.kind),
-    )
 
 
 def _digest(arrays: Mapping[str, np.ndarray], texts: Mapping[str, object]) -> str:

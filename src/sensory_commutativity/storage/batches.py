@@ -1,8 +1,7 @@
-"""Long work in batches, so that a kill loses the batch at hand and nothing else."""
+"""Long computations in batches: a killed job loses at most the batch that it was working on."""
 
 from __future__ import annotations
 
-import hashlib
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -12,90 +11,67 @@ import pandas as pd
 from .. import __version__
 from ..errors import TableError
 from ..progress import progress
-from ..runs.checksums import sha256
-from ..studies.config import Config
+from .columns import Column
+from .hashing import digest, sha256
 from .tables import read_table, write_table
 
 Compute = Callable[[int, int], pd.DataFrame]
-"""The rows of units start <= i < stop; what it returns may not depend on how units are cut into batches."""
+"""Rows of the units start <= i < stop; they must not depend on how units are cut into batches."""
 
 
-def write_in_batches(
-    name: str,
-    compute: Compute,
-    start: int,
-    stop: int,
+def compute_in_batches(
     out: Path,
-    config: Config,
+    name: str,
+    columns: Sequence[Column],
+    compute: Compute,
+    units: tuple[int, int],
     settings: str,
     batch: int = 100,
     sources: Sequence[Path] = (),
-    about: Mapping[str, str] | None = None,
-) -> None:
-    """Write a table, in batches of which a killed run keeps the finished ones (:func:`in_batches`); `about` goes into the file."""
-    write_table(
-        name,
-        in_batches(name, compute, start, stop, out, config, settings, batch, sources),
-        out,
-        config,
-        about,
-    )
-    forget_batches(out)
-
-
-def in_batches(
-    name: str,
-    compute: Compute,
-    start: int,
-    stop: int,
-    out: Path,
-    config: Config,
-    settings: str,
-    batch: int = 100,
-    sources: Sequence[Path] = (),
+    metadata: Mapping[str, str] | None = None,
 ) -> pd.DataFrame:
-    """Compute units `start` to `stop`, keeping finished batches beside `out` until all is done.
+    """Compute rows of units in batches, which are kept beside `out` until :func:`remove_batches`.
 
     Parameters
     ----------
-    name : str
-        The table that `compute` gives rows of.
     out : Path
-        The file that the caller will write; finished batches lie in a folder named after it, which :func:`forget_batches` removes.
+        File that the caller will write; finished batches lie in a hidden folder named after it.
+    name, columns : str, sequence of Column
+        The table that `compute` returns rows of.
+    compute : callable
+    units : tuple of int
+        First unit, and one past the last.
     settings : str
-        All that the rows depend on beside `sources`; batches of other settings, or of another version of the package, are thrown away.
+        Everything that the rows depend on, apart from `sources`. Batches that were computed with
+        other settings, or by another version of the package, are removed.
     batch : int
-        Units in a batch; some seconds of work.
+        Units in a batch; a few seconds of work.
     sources : sequence of Path
-        Files that the rows are made from; batches of other contents are thrown away, too.
+        Files that the rows are computed from. Batches computed from other contents are removed.
+    metadata : mapping, optional
+        Stored in the batches.
     """
     folder = _folder(out)
-    kept = folder / _digest(settings, sources)
-    for stale in [p for p in folder.glob("*") if p != kept]:
+    kept = folder / digest(__version__, settings, [sha256(path) for path in sources])
+    for stale in [path for path in folder.glob("*") if path != kept]:
         shutil.rmtree(stale) if stale.is_dir() else stale.unlink()
+    start, stop = units
     frames = []
     bounds = [(low, min(low + batch, stop)) for low in range(start, stop, batch)]
     for low, high in progress(bounds, out.stem, "batch"):
         path = kept / f"{low:08d}-{high:08d}.parquet"
         try:
-            frame = read_table(name, path)
+            frame = read_table(path, name, columns)
         except TableError:
             frame = compute(low, high)
-            write_table(name, frame, path, config)
+            write_table(path, name, columns, frame, metadata or {})
         frames.append(frame)
     return pd.concat(frames, ignore_index=True)
 
 
-def forget_batches(out: Path) -> None:
-    """Remove the batches kept for `out`, now that it is written."""
+def remove_batches(out: Path) -> None:
+    """Remove the batches that were kept for `out`."""
     shutil.rmtree(_folder(out), ignore_errors=True)
-
-
-def _digest(settings: str, sources: Sequence[Path]) -> str:
-    content = hashlib.sha256(f"{__version__} {settings}".encode())
-    for path in sources:
-        content.update(sha256(path).encode())
-    return content.hexdigest()[:16]
 
 
 def _folder(out: Path) -> Path:

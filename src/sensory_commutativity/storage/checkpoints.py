@@ -14,7 +14,7 @@ from typing import Any
 import torch
 
 from ..errors import UserError
-from .tables import written_whole
+from .atomic import atomic_write
 
 DIGEST = 32  # bytes
 
@@ -27,7 +27,7 @@ def save_state(path: Path, state: dict[str, Any]) -> None:
     """Write tensors, numbers, strings, lists and mappings of them; the file gets its name only when it is whole."""
     payload = io.BytesIO()
     torch.save(state, payload)
-    with written_whole(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_bytes(hashlib.sha256(payload.getvalue()).digest() + payload.getvalue())
 
 

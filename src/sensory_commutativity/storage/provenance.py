@@ -1,4 +1,4 @@
-"""Where a result comes from: recorded in every table."""
+"""The code, platform and packages that produced a file."""
 
 from __future__ import annotations
 
@@ -6,43 +6,42 @@ import importlib.metadata
 import json
 import platform
 import subprocess
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 
-from ..studies.config import Config
-
 PACKAGES = (
-    "sensory-commutativity", "numpy", "pymunk", "numba", "scipy", "statsmodels", "torch", "pandas", "pyarrow",
-    "gymnasium", "stable-baselines3", "sb3-contrib", "pybullet", "torchvision", "h5py", "trimesh", "fast-simplification",
+    "sensory-commutativity", "numpy", "pymunk", "numba", "scipy", "statsmodels", "torch", "pandas",
+    "pyarrow", "gymnasium", "stable-baselines3", "sb3-contrib", "pybullet", "torchvision", "h5py",
+    "trimesh", "fast-simplification",
 )  # fmt: skip
 
 
-@lru_cache
-def _git_commit() -> str:
-    """The commit of the code, with ``-dirty`` when the code or the config differs from it; ``unknown`` outside a repository."""
-    here = Path(__file__).resolve().parents[2]
+@cache
+def git_commit() -> str:
+    """Commit of the code.
+
+    It ends with ``-dirty`` if code or configuration have uncommitted changes, and is ``unknown``
+    outside a repository.
+    """
+    root = Path(__file__).resolve().parents[3]
 
     def git(*arguments: str) -> str:
-        return subprocess.run(
-            ["git", "-C", str(here), *arguments],
-            capture_output=True,
-            text=True,
-            check=True,
-            timeout=10,
-        ).stdout.strip()
+        command = ["git", "-C", str(root), *arguments]
+        run = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10)
+        return run.stdout.strip()
 
     try:
-        if Path(git("rev-parse", "--show-toplevel")).resolve() != here:
-            return "unknown"  # installed inside somebody else's repository
+        if Path(git("rev-parse", "--show-toplevel")).resolve() != root:
+            return "unknown"  # installed inside another project's repository
         changed = git("status", "--porcelain", "--", "src", "workflow", "config", "Snakefile")
         return git("rev-parse", "HEAD") + ("-dirty" if changed else "")
     except (OSError, subprocess.SubprocessError):
         return "unknown"
 
 
-@lru_cache
+@cache
 def package_versions() -> dict[str, str]:
-    """Version of each of PACKAGES; ``absent`` where one is not installed."""
+    """Version of each of PACKAGES; ``absent`` for packages that are not installed."""
     versions = {}
     for package in PACKAGES:
         try:
@@ -52,13 +51,10 @@ def package_versions() -> dict[str, str]:
     return versions
 
 
-def provenance(config: Config) -> dict[str, str]:
-    """Config hash, root seed, git commit, platform and package versions; of the run that wrote a table."""
+def environment() -> dict[str, str]:
+    """Git commit, Python version, platform and package versions (JSON)."""
     return {
-        "profile": config.profile,
-        "config_sha256": config.digest(),
-        "root_seed": str(config.seed),
-        "git_commit": _git_commit(),
+        "git_commit": git_commit(),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",
         "packages": json.dumps(package_versions(), sort_keys=True),

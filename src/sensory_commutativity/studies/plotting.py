@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..storage.provenance import provenance
-from ..storage.tables import read_table, written_whole
+from ..storage.tables import atomic_write, read_table
 from .catalogue import ARRAYS, FIGURES, source_file
 from .config import Config
 
@@ -151,9 +151,9 @@ def _read(name: str, path: Path):
 def save(figure: Figure, out: Path, config: Config) -> None:
     """Save as PNG and PDF with what they come from, and without the date, so that equal tables give equal files."""
     about = provenance(config)
-    with written_whole(out) as temporary:
+    with atomic_write(out) as temporary:
         figure.savefig(temporary, format="png", metadata={"Software": None, **about})
-    with written_whole(out.with_suffix(".pdf")) as temporary:
+    with atomic_write(out.with_suffix(".pdf")) as temporary:
         figure.savefig(
             temporary,
             format="pdf",

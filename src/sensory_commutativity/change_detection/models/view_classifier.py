@@ -29,7 +29,7 @@ EMPTY = 0.5
 _SQUARE = np.ones((3, 3))
 
 
-class PlaceJudge(nn.Module):
+class ViewClassifier(nn.Module):
     """Close-ups to logits that a view shows nothing that moved there; one network for either view, which sees the other beside it.
 
     Parameters
@@ -49,9 +49,9 @@ class PlaceJudge(nn.Module):
         )
         self.verdict = nn.Sequential(nn.Dropout(0.3), nn.Linear(6 * width, 1))
 
-    def forward(self, close_ups: Tensor) -> Tensor:
+    def forward(self, crop_regions: Tensor) -> Tensor:
         """float (k, CHANNELS, SIDE, SIDE): float (k, 2)."""
-        first, second, maps, place = close_ups.split((3, 3, 2, 1), 1)
+        first, second, maps, place = crop_regions.split((3, 3, 2, 1), 1)
         difference = (first - second).abs()
         views = [
             (first, second, difference, maps, place),
@@ -64,7 +64,7 @@ class PlaceJudge(nn.Module):
         )
 
 
-def places_of(maps: np.ndarray) -> list[np.ndarray]:
+def changed_regions(maps: np.ndarray) -> list[np.ndarray]:
     """Connected places that have changed in either view, bool (h, w) each, of maps float (2, h, w); none where all seems different."""
     if maps.mean() > MASK:
         return []
@@ -72,7 +72,7 @@ def places_of(maps: np.ndarray) -> list[np.ndarray]:
     return [parts == k + 1 for k in range(n)]
 
 
-def close_ups(maps: np.ndarray, pictures: np.ndarray, places: list[np.ndarray]) -> Tensor:
+def crop_regions(maps: np.ndarray, pictures: np.ndarray, places: list[np.ndarray]) -> Tensor:
     """What the judge sees of places, at least one, of one pair.
 
     Parameters
@@ -97,14 +97,16 @@ def close_ups(maps: np.ndarray, pictures: np.ndarray, places: list[np.ndarray]) 
     return roi_align(layers, boxes, SIDE, aligned=True)
 
 
-def judged(judge: PlaceJudge, probabilities: np.ndarray, pictures: np.ndarray) -> np.ndarray:
+def refine_masks(
+    judge: ViewClassifier, probabilities: np.ndarray, pictures: np.ndarray
+) -> np.ndarray:
     """Maps without doubts about which view a thing is in.
 
     Where the judge finds that a view shows nothing, all of the place goes to the other view; where it finds so of both, to neither.
 
     Parameters
     ----------
-    judge : PlaceJudge
+    judge : ViewClassifier
     probabilities : float (n, 2, h, w)
     pictures : uint8 (n, 2, h, w, 3)
 
@@ -114,18 +116,18 @@ def judged(judge: PlaceJudge, probabilities: np.ndarray, pictures: np.ndarray) -
     """
     found = probabilities.copy()
     for maps, pair in zip(found, pictures, strict=True):
-        places = places_of(maps)
+        places = changed_regions(maps)
         if not places:
             continue
         for place, empty in zip(
-            places, emptiness(judge, close_ups(maps, pair, places)) > EMPTY, strict=True
+            places, emptiness(judge, crop_regions(maps, pair, places)) > EMPTY, strict=True
         ):
             if empty.any():
                 maps[:, place] = np.where(empty[:, None], 0, maps[:, place].max(0))
     return found
 
 
-def emptiness(judge: PlaceJudge, seen: Tensor) -> np.ndarray:
+def emptiness(judge: ViewClassifier, seen: Tensor) -> np.ndarray:
     """Probability that a view shows nothing that moved, float (k, 2), of close-ups as they are and as in a mirror."""
     seen = seen.to(next(judge.parameters()).device)
     with torch.inference_mode():

@@ -14,8 +14,8 @@ from ...scp.sequences import compose, no_op, permute, sample_sequence
 from ...scp.world import play
 from ...worlds.apartment.world import ApartmentWorld
 from ..outcome import outcome_of
-from .photometric import photographed, some_light
-from .poses import Place
+from .photometric import apply_camera_noise, sample_light
+from .poses import Pose
 from .scene_sampler import displaced
 
 TRIES = 30
@@ -42,7 +42,7 @@ class Seen(NamedTuple):
 
 
 def experiments_at(
-    place: Place,
+    place: Pose,
     world: ApartmentWorld,
     dof: int,
     length: int,
@@ -61,12 +61,14 @@ def experiments_at(
         outcome, _ = outcome_of(
             one, other, eye, other_eye, displaced(poses, other_poses), world.cameras[0]
         )
-        pictures.append(np.stack([photographed(picture.rgb, rng) for picture in (one, other)]))
+        pictures.append(
+            np.stack([apply_camera_noise(picture.rgb, rng) for picture in (one, other)])
+        )
         different.append(outcome == "different")
     return Seen(np.stack(pictures), np.array(different), np.stack(starts))
 
 
-def _stand(place: Place, world: ApartmentWorld, rng: np.random.Generator) -> bool:
+def _stand(place: Pose, world: ApartmentWorld, rng: np.random.Generator) -> bool:
     simulation = world.simulation
     base = np.array([place.x, place.y, place.heading])
     for _ in range(TRIES):
@@ -86,7 +88,7 @@ def _end(world: ApartmentWorld, start, order: np.ndarray, rng: np.random.Generat
     simulation = world.simulation
     eye = simulation.eye_pose()
     return (
-        world.renderer.render(world.cameras[0], eye, simulation.poses(), some_light(rng)),
+        world.renderer.render(world.cameras[0], eye, simulation.poses(), sample_light(rng)),
         eye,
         simulation.object_poses(),
     )

@@ -17,8 +17,8 @@ from ...scp.sequences import compose, no_op, permute, sample_sequence
 from ...scp.world import play
 from ...storage.arrays import pack
 from ..outcome import OUTCOMES, outcome_of
-from .photometric import photographed, some_light
-from .scene_sampler import Household, View, displaced
+from .photometric import apply_camera_noise, sample_light
+from .scene_sampler import SceneSampler, View, displaced
 
 KINDS = ("random", "left-right")
 """Kinds of sequences (paper, appendix D)."""
@@ -60,7 +60,7 @@ class ObjectExperiments:
 
     Parameters
     ----------
-    household : Household
+    household : SceneSampler
     dof : int
         Which degree of freedom is driven.
     length : int
@@ -69,7 +69,7 @@ class ObjectExperiments:
         Whether to make all of the COMPARISONS; else only the first.
     """
 
-    def __init__(self, household: Household, dof: int, length: int, alternatives: bool = False):
+    def __init__(self, household: SceneSampler, dof: int, length: int, alternatives: bool = False):
         self.household, self.world, self.rng = household, household.world, household.rng
         self.dof, self.length, self.alternatives = dof, length, alternatives
         self._since = EXPERIMENTS_PER_SCATTER
@@ -105,7 +105,7 @@ class ObjectExperiments:
         return Played(kind, tuple(compared), tuple(moved), any(touched), touched[0])
 
     def _look(self) -> View:
-        return self.household.look(light=some_light(self.rng))
+        return self.household.look(light=sample_light(self.rng))
 
     def _begin(self) -> None:
         """A situation: the robot with its hand beside an object, or anywhere."""
@@ -140,13 +140,13 @@ class ObjectExperiments:
         play(self.world, no_op(REST_STEPS, len(self.world.dofs)))
 
 
-def tuples_of(played: list[Played], household: Household) -> dict[str, np.ndarray]:
+def tuples_of(played: list[Played], household: SceneSampler) -> dict[str, np.ndarray]:
     """The tuples that the cameras of a household make of n experiments, with c cameras and p comparisons.
 
     Returns
     -------
     dict
-        pictures uint8 (n, c, p, 2, h, w, 3), masks uint8 (n, c, p, 2, h, w / 8) packed, outcome int8 (n, c, p): places in OUTCOMES, kind int8 (n,):
+        pictures uint8 (n, c, p, 2, h, w, 3), masks uint8 (n, c, p, 2, h, w / 8) packed, outcome int8 (n, c, p): indices into OUTCOMES, kind int8 (n,):
         in KINDS, touched_fixed and touched_fixed_first bool (n,), moved int16 (n, p): how many objects moved.
     """
     cameras, rng = household.cameras, household.rng
@@ -156,7 +156,9 @@ def tuples_of(played: list[Played], household: Household) -> dict[str, np.ndarra
             for (first, second), moved in zip(one.views, one.moved, strict=True):
                 a, b = first.pictures[k], second.pictures[k]
                 what, true = outcome_of(a, b, first.eye, second.eye, moved, camera)
-                pictures.append(np.stack([photographed(a.rgb, rng), photographed(b.rgb, rng)]))
+                pictures.append(
+                    np.stack([apply_camera_noise(a.rgb, rng), apply_camera_noise(b.rgb, rng)])
+                )
                 masks.append(pack(true))
                 outcome.append(OUTCOMES.index(what))
     shape = len(played), len(cameras), len(played[0].views)

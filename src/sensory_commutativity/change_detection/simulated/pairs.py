@@ -16,8 +16,8 @@ from ...errors import UserError
 from ...worlds.apartment import frames as fr
 from ...worlds.apartment.scenes.scene import IDENTITIES
 from ..outcome import SEEN, Outcome, outcome_of
-from .photometric import JITTER, jittered, photographed, some_light
-from .scene_sampler import TRIES, Household, View, displaced
+from .photometric import JITTER, apply_camera_noise, jitter_camera, sample_light
+from .scene_sampler import TRIES, SceneSampler, View, displaced
 
 PAIRS_PER_SCATTER = 100
 """Pairs with the same objects in the same places; chosen: scattering takes as long as some five of them."""
@@ -28,7 +28,7 @@ NEAR = 0.75
 BY_HAND = 0.5
 """Of the pairs in which something moves, those in which it is what is nearest the hand; chosen: SC-experiments mostly move what they touch."""
 STILL = 0.5
-"""Of the pairs of a robot that came back, those whose camera is not jittered; chosen: as in most SC-experiments of an arm. In a third of all pairs
+"""Of the pairs of a robot that came back, those whose camera is not jitter_camera; chosen: as in most SC-experiments of an arm. In a third of all pairs
 of a robot that came back, no joint of it is elsewhere either."""
 STRAIGHT = 0.6
 """Of the pairs, those in which the robot looks as it does in SC-experiments; chosen."""
@@ -59,7 +59,7 @@ class Pair(NamedTuple):
 class PairFactory:
     """Makes pairs in a household, through the first of its cameras."""
 
-    def __init__(self, household: Household):
+    def __init__(self, household: SceneSampler):
         self.household, self.simulation, self.rng = household, household.simulation, household.rng
         self.camera = household.cameras[0]
         self._since = PAIRS_PER_SCATTER
@@ -92,7 +92,7 @@ class PairFactory:
         """What is seen; `jitter`, degrees, is the scale of how the camera is turned."""
         eye = self.simulation.eye_pose() @ self._gaze
         return self.household.look(
-            jittered(eye, jitter, self.rng) if jitter else eye, some_light(self.rng)
+            jitter_camera(eye, jitter, self.rng) if jitter else eye, sample_light(self.rng)
         )
 
     def _some_gaze(self) -> np.ndarray:
@@ -110,14 +110,16 @@ class PairFactory:
         if self.rng.uniform() < 0.5:
             picture, other, masks = other, picture, masks[::-1]
         return Pair(
-            np.stack([photographed(picture.rgb, self.rng), photographed(other.rgb, self.rng)]),
+            np.stack(
+                [apply_camera_noise(picture.rgb, self.rng), apply_camera_noise(other.rgb, self.rng)]
+            ),
             np.ascontiguousarray(masks),
             outcome,
             kind,
         )
 
     def _back(self) -> float:
-        """The robot comes back, more or less: its arm almost where it was in some cases; returns how its camera is to be jittered."""
+        """The robot comes back, more or less: its arm almost where it was in some cases; returns how its camera is to be jitter_camera."""
         simulation, rng = self.simulation, self.rng
         if rng.uniform() < 0.3:
             base, joints = simulation.base(), simulation.joints()

@@ -10,7 +10,7 @@ import numpy as np
 from ...worlds.apartment.scenes.scene import Scene
 
 
-class Place(NamedTuple):
+class Pose(NamedTuple):
     """Where a robot stands: the room, x and y in metres, heading in rad."""
 
     room: str
@@ -19,14 +19,14 @@ class Place(NamedTuple):
     heading: float
 
 
-def places(scene: Scene, spacing: float, headings: int) -> list[Place]:
+def grid_poses(scene: Scene, spacing: float, headings: int) -> list[Pose]:
     """All places of a grid of `spacing` metres, centred in each room, with `headings` evenly spread directions at each."""
     found = []
     for area in scene.areas:
         for x in _centred(*area.x, spacing):
             for y in _centred(*area.y, spacing):
                 found += [
-                    Place(area.name, x, y, 2 * math.pi * k / headings) for k in range(headings)
+                    Pose(area.name, x, y, 2 * math.pi * k / headings) for k in range(headings)
                 ]
     return found
 

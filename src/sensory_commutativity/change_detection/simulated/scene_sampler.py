@@ -23,7 +23,7 @@ from ...worlds.apartment.rendering.textures import TEXTURES
 from ...worlds.apartment.robots.robot import Robot
 from ...worlds.apartment.scenes.objects import OBJECTS, Family, of_family
 from ...worlds.apartment.scenes.scene import Movable, Part, Scene
-from ...worlds.apartment.world import ApartmentWorld, pieces
+from ...worlds.apartment.world import ApartmentWorld, drawables
 
 TRIES = 60
 """How often something random is drawn before another situation is tried."""
@@ -49,7 +49,7 @@ class View(NamedTuple):
     eye: np.ndarray
 
 
-class Household:
+class SceneSampler:
     """An apartment, a robot and objects.
 
     Parameters
@@ -230,7 +230,7 @@ class Household:
 
     def _painted_renderer(self) -> Renderer:
         scene = _recoloured(self.scene, self.rng) if self.rng.uniform() < RECOLOURED else self.scene
-        shown = pieces(self.simulation)
+        shown = drawables(self.simulation)
         parts = [part for fixture in scene.fixtures for part in fixture.parts] + [
             part for movable in scene.movables for part in movable.parts
         ]

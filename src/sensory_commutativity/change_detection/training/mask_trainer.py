@@ -17,12 +17,12 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
+from ...change_detection.pair_files import Pairs
 from ...seeding import generator, seed_for
-from ...storage.arrays import Pairs
 from ..outcome import MOVED
 from ..predictor import MODELS, as_tensor
 from .loss import mask_loss
-from .trainer import Cycle, Recipe, has_half_precision
+from .trainer import Trainer, TrainingSettings, has_half_precision
 
 AIMED, ENLARGED = 0.75, 0.3
 """Of what is cut out, how much is so around a pixel that moved, the rest being anywhere, and how much is smaller still and enlarged up to twice;
@@ -61,14 +61,14 @@ def stage_of(step: int, steps: int) -> Stage:
     return next(stage for stage in STAGES if step < round(stage.until * steps))
 
 
-class Trainer(Cycle):
+class MaskTrainer(Trainer):
     """A model in training.
 
     Parameters
     ----------
     name : str
         A key of MODELS.
-    recipe : Recipe
+    recipe : TrainingSettings
     pairs : Pairs
         What it learns from.
     seed : int
@@ -79,7 +79,7 @@ class Trainer(Cycle):
     def __init__(
         self,
         name: str,
-        recipe: Recipe,
+        recipe: TrainingSettings,
         pairs: Pairs,
         seed: int,
         device: str = "cpu",

@@ -24,20 +24,20 @@ SAVED_EVERY = 45.0
 
 
 @dataclass(frozen=True)
-class Recipe:
+class TrainingSettings:
     """How something is trained: examples shown, examples per step, highest learning rate, weight decay."""
 
-    visits: int
+    samples: int
     batch_size: int = 16
     learning_rate: float = 1e-3
     weight_decay: float = 1e-4
 
     @property
     def steps(self) -> int:
-        return math.ceil(self.visits / self.batch_size)
+        return math.ceil(self.samples / self.batch_size)
 
 
-def learning_rate(recipe: Recipe, step: int) -> float:
+def learning_rate(recipe: TrainingSettings, step: int) -> float:
     """Up along a line and down along half a cosine."""
     warm = max(1, round(WARM * recipe.steps))
     if step < warm:
@@ -49,16 +49,16 @@ def learning_rate(recipe: Recipe, step: int) -> float:
     )
 
 
-class Cycle(ABC):
+class Trainer(ABC):
     """A network in training. Whatever is random in a step must follow from its number, :attr:`step`.
 
     Parameters
     ----------
     model : torch.nn.Module
-    recipe : Recipe
+    recipe : TrainingSettings
     """
 
-    def __init__(self, model: nn.Module, recipe: Recipe):
+    def __init__(self, model: nn.Module, recipe: TrainingSettings):
         self.model, self.recipe = model, recipe
         self.optimiser = torch.optim.AdamW(
             model.parameters(), lr=recipe.learning_rate, weight_decay=recipe.weight_decay, eps=1e-8
@@ -107,8 +107,8 @@ class Cycle(ABC):
 Row = dict[str, float]
 
 
-def to_the_end(
-    cycle: Cycle,
+def fit(
+    cycle: Trainer,
     checkpoint: Checkpoint,
     name: str,
     stops: Sequence[int] = (),
@@ -118,7 +118,7 @@ def to_the_end(
 
     Parameters
     ----------
-    cycle : Cycle
+    cycle : Trainer
         At its first step.
     checkpoint : Checkpoint
         The caller takes it away once the result is written.

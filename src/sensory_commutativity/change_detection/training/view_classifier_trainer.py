@@ -13,9 +13,16 @@ from torch import Tensor
 from torch.nn import functional
 
 from ...seeding import generator, seed_for
-from ..models.view_classifier import CHANNELS, SIDE, PlaceJudge, close_ups, exchanged, places_of
+from ..models.view_classifier import (
+    CHANNELS,
+    SIDE,
+    ViewClassifier,
+    changed_regions,
+    crop_regions,
+    exchanged,
+)
 from ..predictor import MaskPredictor, PredictorError
-from .trainer import Cycle, Recipe, has_half_precision
+from .trainer import Trainer, TrainingSettings, has_half_precision
 
 COVERED = 0.15
 """Of a place, from which what moved is there in a view; chosen: less is the rim of what is beside it."""
@@ -23,22 +30,22 @@ DIMMEST, BRIGHTEST = -0.4, 0.3
 """Logarithms of how much darker or brighter close-ups are made; chosen: about as the pairs themselves are in training."""
 
 
-class Places(NamedTuple):
+class Regions(NamedTuple):
     """Many places.
 
     Attributes
     ----------
-    close_ups : float16 (k, CHANNELS, SIDE, SIDE)
+    crop_regions : float16 (k, CHANNELS, SIDE, SIDE)
     empty : bool (k, 2)
         Whether a view shows nothing there that moved.
     """
 
-    close_ups: np.ndarray
+    crop_regions: np.ndarray
     empty: np.ndarray
 
 
-def places_in(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray) -> Places:
-    """Places that a predictor without a judge finds changed, labelled by the true masks.
+def labelled_regions(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray) -> Regions:
+    """Regions that a predictor without a judge finds changed, labelled by the true masks.
 
     Parameters
     ----------
@@ -48,7 +55,7 @@ def places_in(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray)
 
     Returns
     -------
-    Places
+    Regions
 
     Raises
     ------
@@ -61,35 +68,40 @@ def places_in(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray)
         )
     seen, empty = [torch.zeros(0, CHANNELS, SIDE, SIDE)], [np.zeros((0, 2), bool)]
     for maps, pair, truth in zip(predictor.probabilities(pictures), pictures, masks, strict=True):
-        places = places_of(maps)
+        places = changed_regions(maps)
         if places:
-            seen.append(close_ups(maps, pair, places))
+            seen.append(crop_regions(maps, pair, places))
             empty.append(np.stack([truth[:, place].mean(1) < COVERED for place in places]))
-    return Places(torch.cat(seen).half().numpy(), np.concatenate(empty))
+    return Regions(torch.cat(seen).half().numpy(), np.concatenate(empty))
 
 
-class JudgeTrainer(Cycle):
+class ViewClassifierTrainer(Trainer):
     """A judge in training: close-ups are mirrored, exchanged and recoloured alike in both pictures.
 
     Parameters
     ----------
-    places : Places
+    places : Regions
         At least one.
-    recipe : Recipe
+    recipe : TrainingSettings
     seed : int
     device : str
         ``cpu`` or ``cuda``.
     architecture
-        Of the :class:`PlaceJudge`.
+        Of the :class:`ViewClassifier`.
     """
 
     def __init__(
-        self, places: Places, recipe: Recipe, seed: int, device: str = "cpu", **architecture: int
+        self,
+        places: Regions,
+        recipe: TrainingSettings,
+        seed: int,
+        device: str = "cpu",
+        **architecture: int,
     ):
         self.places, self.seed, self.device = places, seed, device
         torch.manual_seed(seed_for(seed, "weights", "judge") % 2**63)
         super().__init__(
-            PlaceJudge(**architecture).to(device, memory_format=torch.channels_last), recipe
+            ViewClassifier(**architecture).to(device, memory_format=torch.channels_last), recipe
         )  # a fifth faster on a CPU
 
     def loss(self) -> Tensor:
@@ -97,7 +109,7 @@ class JudgeTrainer(Cycle):
         rng = generator(self.seed, "step", "judge", self.step)
         torch.manual_seed(seed_for(self.seed, "dropout", self.step) % 2**63)
         chosen = rng.integers(len(self.places.empty), size=self.recipe.batch_size)
-        seen = torch.from_numpy(self.places.close_ups[chosen]).to(self.device).float()
+        seen = torch.from_numpy(self.places.crop_regions[chosen]).to(self.device).float()
         empty = torch.from_numpy(self.places.empty[chosen]).to(self.device).float()
         mirrored, swapped = (
             torch.from_numpy(rng.uniform(size=len(chosen)) < 0.5).to(self.device) for _ in range(2)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from ...change_detection.simulated.poses import Place, places
+from ...change_detection.simulated.poses import Pose, grid_poses
 from ...errors import ConfigError
 from ...seeding import generator, seed_for
 from ...worlds.apartment.robots.robot import Robot, load_robot, with_fixed
@@ -19,10 +19,10 @@ from .config import ModelName
 if TYPE_CHECKING:  # the workflow reads this module before every job: nothing heavy
     import pandas as pd
 
-    from ...change_detection.simulated.scene_sampler import Household
-    from ...change_detection.training.trainer import Recipe
+    from ...change_detection.simulated.scene_sampler import SceneSampler
+    from ...change_detection.training.trainer import TrainingSettings
     from ...worlds.apartment.rendering.camera import Camera
-    from .config import JudgeConfig, MaskModelConfig
+    from .config import MaskModelConfig, ViewClassifierConfig
 
 Split = Literal["training", "validation"]
 TEST_STREAM = "last tests"
@@ -77,10 +77,12 @@ def tuple_jobs(config: Config) -> int:
     return math.ceil(config.masks.tests.experiments / config.masks.tests.experiments_per_job)
 
 
-def places_of_map(config: Config) -> list[Place]:
+def places_of_map(config: Config) -> list[Pose]:
     """Where the local SCP is measured."""
     settings = config.masks.map
-    return places(scene_of(config.apartment, settings.scene), settings.spacing, settings.headings)
+    return grid_poses(
+        scene_of(config.apartment, settings.scene), settings.spacing, settings.headings
+    )
 
 
 def map_jobs(config: Config) -> int:
@@ -104,15 +106,15 @@ def cameras_of_masks(config: Config, fields_of_view: Sequence[float]) -> list[Ca
     return [Camera(size, size, view, config.apartment.supersampling) for view in fields_of_view]
 
 
-def household_of_pairs(config: Config, split: Split, job: int) -> Household:
+def household_of_pairs(config: Config, split: Split, job: int) -> SceneSampler:
     """Where the pairs of a job are made; objects and rooms in many colours and sizes."""
     from ...change_detection.simulated.scene_sampler import (
-        Household,  # imports PyBullet, which checking a configuration does not need
+        SceneSampler,  # imports PyBullet, which checking a configuration does not need
     )
 
     data, rng = config.masks.data, generator(config.seed, "masks", "pairs", split, job)
     scene = scene_of(config.apartment, data.scene)
-    return Household(
+    return SceneSampler(
         scene,
         robot_of_masks(config),
         cameras_of_masks(config, [data.field_of_view]),
@@ -122,16 +124,16 @@ def household_of_pairs(config: Config, split: Split, job: int) -> Household:
     )
 
 
-def household_of_tests(config: Config, run: TupleRun, job: int) -> Household:
+def household_of_tests(config: Config, run: TupleRun, job: int) -> SceneSampler:
     """Where the SC-experiments of a job are played; objects and rooms as they are."""
-    from ...change_detection.simulated.scene_sampler import Household
+    from ...change_detection.simulated.scene_sampler import SceneSampler
 
     rng, scene = (
         generator(config.seed, "masks", TEST_STREAM, run.name, job),
         run.scenes[job % len(run.scenes)],
     )
     cameras = cameras_of_masks(config, list(run.sets.values()))
-    return Household(
+    return SceneSampler(
         scene_of(config.apartment, scene),
         robot_of_masks(config),
         cameras,
@@ -142,12 +144,12 @@ def household_of_tests(config: Config, run: TupleRun, job: int) -> Household:
     )
 
 
-def recipe_of(config: Config, model: ModelName) -> Recipe:
+def recipe_of(config: Config, model: ModelName) -> TrainingSettings:
     """How a model is trained."""
     return _recipe(config.masks.model(model))
 
 
-def recipe_of_judge(config: Config) -> Recipe:
+def recipe_of_judge(config: Config) -> TrainingSettings:
     """How a judge of places is trained."""
     return _recipe(config.masks.judge)
 
@@ -184,7 +186,7 @@ def dof_nearest_half(scp: pd.DataFrame, config: Config) -> tuple[str, float]:
 
 
 def first_of_arm(robot: Robot) -> int:
-    """Place, in the action vector, of the arm joint nearest the body. Raises ConfigError where there is none."""
+    """Pose, in the action vector, of the arm joint nearest the body. Raises ConfigError where there is none."""
     turning = [joint.name for joint in robot.joints if joint.kind != "prismatic"]
     found = next(
         (k for k, dof in enumerate(robot.description.dofs) if turning and turning[0] in dof.joints),
@@ -281,9 +283,9 @@ def _files(config: Config, scenes: Sequence[str]) -> list[tuple[str, ...]]:
     return [robot, *(contents(settings.scenes[scene].file, "scene") for scene in scenes)]
 
 
-def _recipe(settings: MaskModelConfig | JudgeConfig) -> Recipe:
-    from ...change_detection.training.trainer import Recipe  # imports torch
+def _recipe(settings: MaskModelConfig | ViewClassifierConfig) -> TrainingSettings:
+    from ...change_detection.training.trainer import TrainingSettings  # imports torch
 
-    return Recipe(
-        settings.visits, settings.batch_size, settings.learning_rate, settings.weight_decay
+    return TrainingSettings(
+        settings.samples, settings.batch_size, settings.learning_rate, settings.weight_decay
     )

@@ -67,7 +67,7 @@ class MaskTestConfig(Section):
 class MaskModelConfig(Section):
     """How a model is trained (AdamW, one cycle of the learning rate)."""
 
-    visits: int = Field(
+    samples: int = Field(
         ge=16, le=100_000_000, description="Pairs that are shown, each as often as it comes up."
     )
     batch_size: int = Field(16, ge=1, le=1024)
@@ -84,7 +84,7 @@ class MaskModelConfig(Section):
     )
 
 
-class JudgeConfig(Section):
+class ViewClassifierConfig(Section):
     """How the judge of places of either model is trained (AdamW, one cycle of the learning rate)."""
 
     pairs: int = Field(
@@ -93,7 +93,7 @@ class JudgeConfig(Section):
         le=1_000_000,
         description="Pairs of each file of training pairs in which something moved, whose places it learns from.",
     )
-    visits: int = Field(
+    samples: int = Field(
         ge=1, le=100_000_000, description="Places that are shown, each as often as it comes up."
     )
     batch_size: int = Field(64, ge=2, le=1024)
@@ -150,7 +150,7 @@ class MasksConfig(Section):
     tests: MaskTestConfig
     raft: MaskModelConfig
     flownet: MaskModelConfig
-    judge: JudgeConfig
+    judge: ViewClassifierConfig
     map: MapConfig
 
     @model_validator(mode="after")

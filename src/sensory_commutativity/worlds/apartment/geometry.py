@@ -164,7 +164,7 @@ def coloured_from_file(path: Path) -> tuple[Mesh, np.ndarray | None]:
 
 
 def from_file(path: Path, max_faces: int | None = None) -> Mesh:
-    """A mesh file as trimesh reads it, all its pieces as one; `max_faces` thins it out to about so many triangles.
+    """A mesh file as trimesh reads it, all its drawables as one; `max_faces` thins it out to about so many triangles.
 
     Raises whatever trimesh raises for a file that it cannot read, and ValueError for one without triangles.
     """

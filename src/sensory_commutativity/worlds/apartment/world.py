@@ -11,12 +11,12 @@ import numpy as np
 from .physics.simulation import Simulation
 from .physics.starts import draw_start
 from .physics.states import Situation
-from .rendering.camera import Camera, Piece, Renderer
+from .rendering.camera import Camera, Drawable, Renderer
 from .robots.robot import Robot
 from .scenes.scene import IDENTITIES, Scene
 
 
-class Happened(NamedTuple):
+class PrivilegedInfo(NamedTuple):
     """What truly happened since the last restore; what no sensor of the robot tells.
 
     Attributes
@@ -45,7 +45,7 @@ class Happened(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Moment:
+class WorldSnapshot:
     """A situation of the world."""
 
     situation: Situation
@@ -86,7 +86,7 @@ class ApartmentWorld:
         )
         self.simulation = Simulation(scene, robot)
         self.renderer = Renderer(
-            pieces(self.simulation), 1 + len(scene.movables) + len(self.simulation.body.parents)
+            drawables(self.simulation), 1 + len(scene.movables) + len(self.simulation.body.parents)
         )
         self._clearance = float("nan")
 
@@ -94,11 +94,11 @@ class ApartmentWorld:
         """Draw a start situation. Raises StartError where there is none."""
         self._clearance = draw_start(self.simulation, rng, self.within)
 
-    def snapshot(self) -> Moment:
+    def snapshot(self) -> WorldSnapshot:
         """Return the present situation."""
-        return Moment(self.simulation.snapshot(), self._clearance)
+        return WorldSnapshot(self.simulation.snapshot(), self._clearance)
 
-    def restore(self, snapshot: Moment) -> None:
+    def restore(self, snapshot: WorldSnapshot) -> None:
         """Put everything back into a situation of this world."""
         self.simulation.restore(snapshot.situation)
         self._clearance = snapshot.clearance
@@ -112,29 +112,29 @@ class ApartmentWorld:
         eye, poses = self.simulation.eye_pose(), self.simulation.poses()
         return np.stack([self.renderer.render(camera, eye, poses).rgb for camera in self.cameras])
 
-    def happened(self) -> Happened:
+    def happened(self) -> PrivilegedInfo:
         """What happened since the last restore."""
         s, touched = self.simulation, self.simulation.touches()
-        return Happened(
+        return PrivilegedInfo(
             touched.fixed, touched.movable, touched.itself, touched.at_limit, s.object_shifts(), s.base(), s.joints(), self._clearance
         )  # fmt: skip
 
 
-def pieces(simulation: Simulation, overhead: bool = True) -> list[Piece]:
+def drawables(simulation: Simulation, overhead: bool = True) -> list[Drawable]:
     """All that can be seen, bodies numbered as in :meth:`.Simulation.poses`; without `overhead` nothing that hides views from above."""
     scene = simulation.scene
     found = [
-        Piece(part, IDENTITIES["fixture"] + i, 0)
+        Drawable(part, IDENTITIES["fixture"] + i, 0)
         for i, fixture in enumerate(scene.fixtures)
         if overhead or not fixture.overhead
         for part in fixture.parts
     ]
     found += [
-        Piece(part, IDENTITIES["movable"] + i, 1 + i)
+        Drawable(part, IDENTITIES["movable"] + i, 1 + i)
         for i, movable in enumerate(scene.movables)
         for part in movable.parts
     ]
     return found + [
-        Piece(part, IDENTITIES["robot"], 1 + len(scene.movables) + link)
+        Drawable(part, IDENTITIES["robot"], 1 + len(scene.movables) + link)
         for link, part in simulation.body.parts
     ]

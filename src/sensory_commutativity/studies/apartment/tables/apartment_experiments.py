@@ -17,7 +17,7 @@ from ....errors import TableError
 from ....scp.experiment import endings_per_dof
 from ....storage.batches import write_in_batches
 from ....storage.tables import TABLES, read_about, read_table, write_table
-from ....worlds.apartment.world import ApartmentWorld, Happened
+from ....worlds.apartment.world import ApartmentWorld, PrivilegedInfo
 from ...config import Config
 from ...flatland.tables.flatland_experiments import part_bounds
 from ..builders import perceptual_features, settings_of_run, start_seed, world_of_run
@@ -61,7 +61,7 @@ def run_experiments(
     return frame[_COLUMNS]
 
 
-def _events(one: Happened, other: Happened) -> tuple[Any, ...]:
+def _events(one: PrivilegedInfo, other: PrivilegedInfo) -> tuple[Any, ...]:
     """What happened in either order, and by how much the ends differ; the columns from touched_fixed on."""
     moved = np.maximum(one.object_shifts, other.object_shifts)
     return (

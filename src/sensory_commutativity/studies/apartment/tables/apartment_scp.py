@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ....scp.estimate import sensory_commutativity_probability
+from ....scp.estimate import estimate_scp
 from ....storage.tables import read_table, write_table
 from ...config import Config
 
@@ -16,7 +16,7 @@ def write_scp(experiments: Path, out: Path, config: Config) -> None:
     frame = read_table("apartment_experiments", experiments)
     write_table(
         "apartment_scp",
-        sensory_commutativity_probability(frame, [*CONDITION, "dof"], config.apartment.thresholds),
+        estimate_scp(frame, [*CONDITION, "dof"], config.apartment.thresholds),
         out,
         config,
     )

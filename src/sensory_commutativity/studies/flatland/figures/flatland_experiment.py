@@ -13,7 +13,7 @@ from ....scp.distances import mean_squared_error
 from ....scp.experiment import final_observation
 from ....scp.sequences import compose, no_op, permute, sample_sequence
 from ....seeding import generator, seed_for
-from ....storage.tables import written_whole
+from ....storage.atomic import atomic_write
 from ....worlds.flatland.drawing import draw_room, draw_view
 from ....worlds.flatland.world import FlatlandSnapshot, FlatlandWorld
 from ...config import Config
@@ -78,7 +78,7 @@ def animate_experiment(config: Config, dof: str, out: Path) -> None:
         )
         return views
 
-    with written_whole(out) as temporary:
+    with atomic_write(out) as temporary:
         writer = Film(FRAMES_PER_SECOND, config)
         with writer.saving(figure, str(temporary), dpi=90):
             views = frame(0)

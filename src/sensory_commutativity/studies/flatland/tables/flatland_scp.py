@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from ....scp.estimate import sensory_commutativity_probability
+from ....scp.estimate import estimate_scp
 from ....storage.tables import read_table, write_table
 from ...config import Config
 
@@ -49,4 +49,4 @@ def write_sensitivity(experiments: Path, out: Path, config: Config) -> None:
 
 
 def _scp(frame: pd.DataFrame, config: Config) -> pd.DataFrame:
-    return sensory_commutativity_probability(frame, KEYS, config.flatland.thresholds)
+    return estimate_scp(frame, KEYS, config.flatland.thresholds)

@@ -14,7 +14,7 @@ from ....navigation.recurrent import RoomPolicy
 from ....navigation.task import NavigationEnv
 from ....navigation.training import policy_of_run
 from ....storage.checkpoints import load_state
-from ....storage.tables import read_table, written_whole
+from ....storage.tables import atomic_write, read_table
 from ....worlds.flatland.drawing import draw_room, draw_view
 from ...config import Config
 from ...plotting import Film
@@ -61,7 +61,7 @@ def animate_episode(
         view.set_title("what the eye sees", fontsize=7, pad=2)
         figure.suptitle(f"{action_space}, run {seed} (median)\n{said}", fontsize=10)
 
-    with written_whole(out) as temporary:
+    with atomic_write(out) as temporary:
         writer = Film(FRAMES_PER_SECOND, config)
         with writer.saving(figure, str(temporary), dpi=80):
             for number, start in enumerate(evaluation_seeds(config)[:EPISODES], 1):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from ....scp.estimate import sensory_commutativity_probability
+from ....scp.estimate import estimate_scp
 from ....storage.tables import read_table, write_table
 from ...config import Config
 from ...flatland.tables.flatland_scp import KEYS
@@ -20,6 +20,4 @@ def write_navigation_scp(parts: list[Path], out: Path, config: Config) -> None:
     frame = pd.concat(
         [read_table("flatland_experiments", part) for part in parts], ignore_index=True
     )
-    write_table(
-        "navigation_scp", sensory_commutativity_probability(frame, KEYS, [0.0]), out, config
-    )
+    write_table("navigation_scp", estimate_scp(frame, KEYS, [0.0]), out, config)

@@ -14,8 +14,9 @@ import numpy as np
 import pandas as pd
 
 from ....change_detection.outcome import OUTCOMES
+from ....change_detection.pair_files import read_pairs
 from ....change_detection.predictor import load_predictor
-from ....storage.arrays import pack, read_arrays, read_pairs, unpack, write_arrays
+from ....storage.arrays import pack, read_arrays, unpack, write_arrays
 from ....storage.provenance import provenance
 from ....storage.tables import read_table
 from ...config import Config

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from ....change_detection.outcome import OUTCOMES
+from ....change_detection.pair_files import write_pairs
 from ....change_detection.simulated.pairs import PairFactory
 from ....progress import progress
-from ....storage.arrays import write_pairs
 from ....storage.provenance import provenance
 from ...config import Config
 from ..builders import Split, household_of_pairs, pairs_of_job

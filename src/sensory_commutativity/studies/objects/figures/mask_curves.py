@@ -24,7 +24,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         for model, rows in curves.groupby("model", sort=False):
             colour, line, marker = MODEL_STYLES[model]
             axes.plot(
-                rows["visits"] / 1000,
+                rows["samples"] / 1000,
                 rows[measure],
                 color=colour,
                 linestyle=line,

@@ -12,12 +12,12 @@ import pandas as pd
 import torch
 from tqdm import tqdm
 
-from ....change_detection.decision import Rule, quality
+from ....change_detection.decision import DecisionThresholds, quality
+from ....change_detection.pair_files import Pairs, read_pairs
 from ....change_detection.predictor import MaskPredictor, best_device
-from ....change_detection.training.mask_trainer import Trainer
-from ....change_detection.training.trainer import Row, learning_rate, to_the_end
+from ....change_detection.training.mask_trainer import MaskTrainer
+from ....change_detection.training.trainer import Row, fit, learning_rate
 from ....errors import TableError
-from ....storage.arrays import Pairs, read_pairs
 from ....storage.checkpoints import Checkpoint
 from ....storage.provenance import package_versions, provenance
 from ....storage.tables import read_table, write_table
@@ -42,7 +42,7 @@ def write_training(
         out, f"{settings_of_training(config, model)} {device} {json.dumps(package_versions())}"
     )
     pairs, held_out = read_pairs(*training), read_pairs(*validation)
-    trainer = Trainer(model, recipe_of(config, model), pairs, training_seed(config), device)
+    trainer = MaskTrainer(model, recipe_of(config, model), pairs, training_seed(config), device)
     stops = np.unique(
         np.linspace(0, trainer.recipe.steps, settings.checkpoints + 1).round().astype(int)
     )[1:]
@@ -52,7 +52,7 @@ def write_training(
         tqdm.write(_told(model, found, trainer.recipe.steps), file=sys.stderr)
         return found
 
-    rows = to_the_end(trainer, checkpoint, model, stops.tolist(), row)
+    rows = fit(trainer, checkpoint, model, stops.tolist(), row)
     MaskPredictor(model, trainer.model, device=device).save(predictor, provenance(config))
     write_table("mask_curves", pd.DataFrame(rows).assign(model=model), out, config)
     checkpoint.forget()
@@ -71,16 +71,16 @@ def _told(model: ModelName, row: Row, steps: int) -> str:
     return f"{model}: step {row['step']:,} of {steps:,}, loss {row['loss']:.3f}; validation: accuracy {row['accuracy']:.3f}, mean IoU {row['iou']:.3f}"
 
 
-def _row(trainer: Trainer, rows: list[Row], held_out: Pairs) -> Row:
+def _row(trainer: MaskTrainer, rows: list[Row], held_out: Pairs) -> Row:
     """How far training has got, on pairs that it does not show, at first sight."""
     before = rows[-1]["step"] if rows else 0
     found = MaskPredictor(trainer.name, trainer.model, device=trainer.device).probabilities(
         held_out.pictures, again=False
     )
-    accuracy, iou = quality(found, held_out.outcome, held_out.masks, Rule())
+    accuracy, iou = quality(found, held_out.outcome, held_out.masks, DecisionThresholds())
     return dict(
         step=trainer.step,
-        visits=trainer.step * trainer.recipe.batch_size,
+        samples=trainer.step * trainer.recipe.batch_size,
         learning_rate=learning_rate(trainer.recipe, trainer.step - 1),
         loss=float(np.mean(trainer.losses[int(before) :])),
         accuracy=accuracy,

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from ....change_detection.decision import Rule, quality, tune
-from ....change_detection.models.view_classifier import PlaceJudge, judged
+from ....change_detection.decision import DecisionThresholds, quality, tune
+from ....change_detection.models.view_classifier import ViewClassifier, refine_masks
+from ....change_detection.pair_files import Pairs, read_pairs
 from ....change_detection.predictor import UNTRAINED, MaskPredictor, best_device, load_predictor
-from ....change_detection.training.trainer import to_the_end
-from ....change_detection.training.view_classifier_trainer import JudgeTrainer
+from ....change_detection.training.trainer import fit
+from ....change_detection.training.view_classifier_trainer import ViewClassifierTrainer
 from ....runs.checksums import sha256
-from ....storage.arrays import Pairs, read_pairs
 from ....storage.checkpoints import Checkpoint
 from ....storage.provenance import package_versions, provenance
 from ...config import Config
@@ -48,8 +48,10 @@ def write_judged(
     held_out = read_pairs(*validation)
     found = trained.probabilities(held_out.pictures)
     if len(seen.empty):
-        trainer = JudgeTrainer(seen, recipe_of_judge(config), training_seed(config), device)
-        to_the_end(trainer, checkpoint, f"judge of {model}")
+        trainer = ViewClassifierTrainer(
+            seen, recipe_of_judge(config), training_seed(config), device
+        )
+        fit(trainer, checkpoint, f"judge of {model}")
         found = given_a_judge(trained, trainer.model.eval(), found, held_out)
     _save_tuned(trained, found, held_out, out, config)
     checkpoint.forget()
@@ -64,7 +66,7 @@ def write_difference(config: Config, validation: Sequence[Path], predictor: Path
 
 
 def given_a_judge(
-    predictor: MaskPredictor, judge: PlaceJudge, found: np.ndarray, held_out: Pairs
+    predictor: MaskPredictor, judge: ViewClassifier, found: np.ndarray, held_out: Pairs
 ) -> np.ndarray:
     """Give a predictor its judge, unless masks of pairs that are not trained on are worse with it, as with one that was shown too little.
 
@@ -72,7 +74,7 @@ def given_a_judge(
     ----------
     predictor : MaskPredictor
         Without a judge; changed in place.
-    judge : PlaceJudge
+    judge : ViewClassifier
     found : float (n, 2, h, w)
         What the predictor says of the pairs alone.
     held_out : Pairs
@@ -82,16 +84,17 @@ def given_a_judge(
     float (n, 2, h, w)
         What it now says of them.
     """
-    mended = judged(
+    mended = refine_masks(
         judge, found, held_out.pictures
     )  # where nothing is in doubt there is no place, and nothing changes
     alone, both = (
-        quality(maps, held_out.outcome, held_out.masks, Rule())[1] for maps in (found, mended)
+        quality(maps, held_out.outcome, held_out.masks, DecisionThresholds())[1]
+        for maps in (found, mended)
     )
     worse = both < alone
     says = f"{predictor.name}: validation: mean IoU {alone:.3f} alone, {both:.3f} with its judge"
     print(
-        says + (", which is left out; show it more places (masks.judge.visits)" if worse else ""),
+        says + (", which is left out; show it more places (masks.judge.samples)" if worse else ""),
         file=sys.stderr,
     )
     if worse:

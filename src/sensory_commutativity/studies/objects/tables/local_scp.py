@@ -16,7 +16,7 @@ from ....change_detection.decision import outcomes
 from ....change_detection.outcome import OUTCOMES
 from ....change_detection.predictor import load_predictor
 from ....change_detection.simulated.local_scp import Seen, experiments_at
-from ....change_detection.simulated.poses import Place
+from ....change_detection.simulated.poses import Pose
 from ....change_detection.simulated.reach import Reach, usual_excursion, usual_reach
 from ....progress import progress
 from ....seeding import generator
@@ -57,7 +57,7 @@ def write_local_scp_experiments(config: Config, part: int, out: Path) -> None:
         world.dofs[dof].speed,
         generator(config.seed, "masks", "map", "excursion"),
     )
-    found: list[tuple[Place, Seen, Reach]] = []
+    found: list[tuple[Pose, Seen, Reach]] = []
     for place in progress(places_of_map(config)[_of_job(config, part)], out.stem, "place"):
         rng = generator(
             config.seed,

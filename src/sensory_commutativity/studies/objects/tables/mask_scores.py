@@ -36,7 +36,7 @@ def score(
     pictures : uint8 (n, 2, h, w, 3)
     masks : bool (n, 2, h, w)
     truth : int (n,)
-        Places in OUTCOMES.
+        Indices into OUTCOMES.
     """
     found = predictor.probabilities(pictures)
     predicted = found > MASK

@@ -36,7 +36,7 @@ PARKED = (1000.0, 1000.0, 0.0)
 """Where a robot is while it is nowhere: x and y, metres, and heading."""
 
 
-class Touches(NamedTuple):
+class ContactCounts(NamedTuple):
     """In how many control steps the robot touched what, if only for a moment, since it was last put somewhere."""
 
     steps: int
@@ -78,7 +78,7 @@ class Simulation:
         )
         self._scenery = build_scenery(client, scene)
         self._add_robot()
-        self._touched = np.zeros(len(Touches._fields), np.int64)
+        self._touched = np.zeros(len(ContactCounts._fields), np.int64)
         self._told = np.zeros(len(self._axes))
         self.put_robot(np.array(PARKED), np.clip(0.0, robot.limits[:, 0], robot.limits[:, 1]))
         for _ in range(SETTLING):
@@ -171,7 +171,7 @@ class Simulation:
         events = 0
         for substep in range(SUBSTEPS):
             events |= self._substep(substep)
-        self._touched += [1, *(events >> np.arange(len(Touches._fields) - 1) & 1)]
+        self._touched += [1, *(events >> np.arange(len(ContactCounts._fields) - 1) & 1)]
 
     # ---- what is -----------------------------------------------------------------------------------------------------------
 
@@ -199,9 +199,9 @@ class Simulation:
         link, mount = self._camera
         return self._link_poses()[link] @ mount
 
-    def touches(self) -> Touches:
+    def touches(self) -> ContactCounts:
         """What the robot has touched since it was put somewhere."""
-        return Touches(*self._touched.tolist())
+        return ContactCounts(*self._touched.tolist())
 
     def object_shifts(self) -> np.ndarray:
         """How far each movable object is from where it was when the robot was put somewhere: float64 (movables,), metres."""
@@ -275,7 +275,7 @@ class Simulation:
     # ---- inside ------------------------------------------------------------------------------------------------------------
 
     def _substep(self, substep: int) -> int:
-        """Run on by 1/240 s; returns a bit for each thing touched, in the order of Touches from `fixed` on."""
+        """Run on by 1/240 s; returns a bit for each thing touched, in the order of ContactCounts from `fixed` on."""
         at_limit = advance(self._law, self._control, substep, self._measured(), self._told)
         pybullet.setJointMotorControlArray(
             self._robot,

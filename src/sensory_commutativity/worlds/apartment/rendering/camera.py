@@ -38,7 +38,7 @@ class Camera:
 
 
 @dataclass(frozen=True)
-class Piece:
+class Drawable:
     """Something visible that moves with a body; body 0 is the world and never moves."""
 
     part: Part
@@ -64,29 +64,35 @@ class Picture(NamedTuple):
 
 
 class Renderer:
-    """Draws the same pieces again and again.
+    """Draws the same drawables again and again.
 
     Parameters
     ----------
-    pieces : sequence of Piece
+    drawables : sequence of Drawable
     n_bodies : int
         Bodies, the world among them.
     """
 
-    def __init__(self, pieces: Sequence[Piece], n_bodies: int):
-        pieces = [piece for piece in pieces if len(piece.part.mesh.faces)]
-        if any(not 0 <= piece.body < n_bodies for piece in pieces):
+    def __init__(self, drawables: Sequence[Drawable], n_bodies: int):
+        drawables = [piece for piece in drawables if len(piece.part.mesh.faces)]
+        if any(not 0 <= piece.body < n_bodies for piece in drawables):
             raise ValueError(
                 f"a piece is on a body that is not there; bodies are numbered from 0 to {n_bodies - 1}"
             )
-        meshes = [piece.part.mesh for piece in pieces]
+        meshes = [piece.part.mesh for piece in drawables]
         face_ends = np.cumsum([len(mesh.faces) for mesh in meshes], dtype=np.int64)
         vertex_ends = np.cumsum([len(mesh.vertices) for mesh in meshes], dtype=np.int64)
         counts = [len(mesh.faces) for mesh in meshes]
         starts = vertex_ends - [len(mesh.vertices) for mesh in meshes]
-        self.n_bodies, self.n_faces = n_bodies, int(face_ends[-1]) if pieces else 0
+        self.n_bodies, self.n_faces = n_bodies, int(face_ends[-1]) if drawables else 0
         self._pieces = np.stack(
-            [face_ends - counts, face_ends, starts, vertex_ends, [piece.body for piece in pieces]],
+            [
+                face_ends - counts,
+                face_ends,
+                starts,
+                vertex_ends,
+                [piece.body for piece in drawables],
+            ],
             1,
         ).astype(np.int64)
         self._balls = np.array([_ball(mesh.vertices) for mesh in meshes]).reshape(-1, 4)
@@ -101,15 +107,15 @@ class Renderer:
             [np.zeros((0, 3, 2), np.float32), *(mesh.uv for mesh in meshes)]
         ).astype(np.float32)
         self._colours = np.repeat(
-            np.array([piece.part.colour for piece in pieces], np.float32).reshape(-1, 3),
+            np.array([piece.part.colour for piece in drawables], np.float32).reshape(-1, 3),
             counts,
             axis=0,
         )
         self._texture_of = np.repeat(
-            np.array([_texture_number(piece.part) for piece in pieces], np.int32), counts
+            np.array([_texture_number(piece.part) for piece in drawables], np.int32), counts
         )
         self._identities = np.repeat(
-            np.array([piece.identity for piece in pieces], np.int32), counts
+            np.array([piece.identity for piece in drawables], np.int32), counts
         )
         self._textures = np.stack([texture(name) for name in TEXTURES])
         self._world = self._vertices.copy()

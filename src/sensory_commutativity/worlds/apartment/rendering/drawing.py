@@ -8,8 +8,8 @@ import numpy as np
 
 from ..physics.simulation import Simulation
 from ..scenes.scene import IDENTITIES, Scene
-from ..world import pieces
-from .camera import Camera, Picture, Piece, Renderer, look_at
+from ..world import drawables
+from .camera import Camera, Drawable, Picture, Renderer, look_at
 
 ABOVE = 30.0
 """Metres above the floor of the eye for plans; chosen: walls then hide little."""
@@ -45,7 +45,7 @@ def plan(
     )
     seen = [
         piece
-        for piece in pieces(simulation, overhead=False)
+        for piece in drawables(simulation, overhead=False)
         if robot or piece.identity != IDENTITIES["robot"]
     ]
     view = math.degrees(2 * math.atan((top - bottom) / 2 / ABOVE))
@@ -72,7 +72,9 @@ def outside(
     for bearing in np.arange(bearings) * (2 * math.pi / bearings):
         eye = x + distance * math.cos(bearing), y + distance * math.sin(bearing), height
         seen = [
-            piece for piece in pieces(simulation, overhead=False) if not _hides(piece, eye, (x, y))
+            piece
+            for piece in drawables(simulation, overhead=False)
+            if not _hides(piece, eye, (x, y))
         ]
         pictures.append(
             _picture(simulation, seen, Camera(pixels, pixels, 50.0, 3), eye, (x, y, 0.75))
@@ -80,14 +82,14 @@ def outside(
     return max(pictures, key=lambda picture: (picture.identity == IDENTITIES["robot"]).sum()).rgb
 
 
-def _picture(simulation: Simulation, seen: list[Piece], camera: Camera, eye, target) -> Picture:
+def _picture(simulation: Simulation, seen: list[Drawable], camera: Camera, eye, target) -> Picture:
     poses = simulation.poses()
     picture = Renderer(seen, len(poses)).render(camera, look_at(eye, target), poses)
     picture.rgb[picture.identity == IDENTITIES["nothing"]] = 255
     return picture
 
 
-def _hides(piece: Piece, eye: tuple[float, float, float], robot: tuple[float, float]) -> bool:
+def _hides(piece: Drawable, eye: tuple[float, float, float], robot: tuple[float, float]) -> bool:
     """Whether something tall is on the way from the eye to the robot, or around the eye."""
     if piece.body != 0:
         return False

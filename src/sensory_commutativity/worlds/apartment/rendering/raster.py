@@ -26,14 +26,14 @@ _INSIDE = -1e-9
 
 
 @njit()
-def transform(pieces, vertices, poses, world):
-    """Put the vertices of all pieces that move into the world: `world` float64 (n, 3) is filled."""
-    for p in range(len(pieces)):
-        body = pieces[p, 4]
+def transform(drawables, vertices, poses, world):
+    """Put the vertices of all drawables that move into the world: `world` float64 (n, 3) is filled."""
+    for p in range(len(drawables)):
+        body = drawables[p, 4]
         if body == 0:
             continue
         pose = poses[body]
-        for i in range(pieces[p, 2], pieces[p, 3]):
+        for i in range(drawables[p, 2], drawables[p, 3]):
             x, y, z = vertices[i, 0], vertices[i, 1], vertices[i, 2]
             for k in range(3):
                 world[i, k] = pose[k, 0] * x + pose[k, 1] * y + pose[k, 2] * z + pose[k, 3]
@@ -41,7 +41,7 @@ def transform(pieces, vertices, poses, world):
 
 @njit()
 def rasterise(
-    pieces,
+    drawables,
     balls,
     faces,
     world,
@@ -63,7 +63,7 @@ def rasterise(
 
     Parameters
     ----------
-    pieces : int64 (p, 5)
+    drawables : int64 (p, 5)
         First face, end of faces, first vertex, end of vertices, body of each piece.
     balls : float64 (p, 4)
         A ball around each piece, in its body's frame: middle, radius.
@@ -91,8 +91,8 @@ def rasterise(
     )
     corner = np.empty((3, 3))
     count = 0
-    for p in range(len(pieces)):
-        pose = poses[pieces[p, 4]]
+    for p in range(len(drawables)):
+        pose = poses[drawables[p, 4]]
         cx = (
             pose[0, 0] * balls[p, 0]
             + pose[0, 1] * balls[p, 1]
@@ -125,7 +125,7 @@ def rasterise(
             or half_y * forward - focal * abs(down) < -radius * side_y
         ):
             continue
-        for f in range(pieces[p, 0], pieces[p, 1]):
+        for f in range(drawables[p, 0], drawables[p, 1]):
             a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
             ax, ay, az = world[a, 0] - ex, world[a, 1] - ey, world[a, 2] - ez
             ux, uy, uz = (

@@ -1,4 +1,4 @@
-"""Textures, drawn rather than photographed, so that nothing has to be shipped: wood, brick, carpet, tiles, wallpaper, books, pictures.
+"""Textures, drawn rather than apply_camera_noise, so that nothing has to be shipped: wood, brick, carpet, tiles, wallpaper, books, pictures.
 
 Each is a square of 64 x 64 pixels that repeats without a seam; it is multiplied by the colour of what it lies on.
 """

@@ -1,4 +1,4 @@
-"""Household things that can be pushed, in two families that share none: one to learn from, one to test on.
+"""SceneSampler things that can be pushed, in two families that share none: one to learn from, one to test on.
 
 Sizes are those of common products, masses those of their usual content. The origin is the middle, where the centre of mass is taken to be.
 """
