@@ -112,7 +112,7 @@ def test_steps_of_the_hierarchy_by_hand():
         [(dof, i, float(d)) for dof, ds in distance.items() for i, d in enumerate(ds)],
         columns=["dof", "experiment", "distance"],
     )
-    table = group_steps(frame, {"low": ["a", "b"], "high": ["c"]}, 50)
+    table = group_steps(frame, {"low_furniture": ["a", "b"], "high": ["c"]}, 50)
     expected = np.array([0 - 1, 0.5 - 1, 0 - 1, 1 - 0])
     assert table[["lower", "higher", "n"]].values.tolist() == [["low", "high", 4]]
     row = table.iloc[0]

@@ -211,7 +211,7 @@ def test_transitions_come_from_the_reference_world(tiny_config):
 
 def test_the_action_leads_from_one_observation_to_the_next(tiny_config):
     """The eyelid in a bare room: every pixel follows it."""
-    bare = changed(tiny_config, worlds={"bare": {"things": 0}}, reference={"world": "bare"})
+    bare = changed(tiny_config, worlds={"bare": {"objects": 0}}, reference={"world": "bare"})
     transitions = collect_transitions(bare, "eyelid")
     opened = 1 + 0.05 * np.cumsum(transitions.actions[:, :, 3], axis=1)  # authors: 1/20 per step
     expected = np.minimum(255, transitions.observations[:, :1] * opened[:, :, None, None])

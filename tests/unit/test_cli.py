@@ -284,7 +284,7 @@ def test_resolve_is_a_round_trip(cli_run, tmp_path):
 
 def test_rooms_that_are_too_full_are_noticed_by_check(cli_run, tmp_path):
     (tmp_path / "mine.yaml").write_text(
-        "flatland: {worlds: {furnished: {things: 24, width: 200.0, height: 300.0, start_margin: 90.0}}}\n"
+        "flatland: {worlds: {furnished: {objects: 24, width: 200.0, height: 300.0, start_margin: 90.0}}}\n"
     )
     said = cli_run("check", str(DEFAULT), "mine.yaml")
     assert said.code == 2

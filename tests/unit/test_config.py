@@ -86,7 +86,7 @@ WRONG = [
     ("flatland/thresholds", 0.0, "flatland.thresholds", "got 0.0"),
     ("flatland/thresholds", ["0"], "flatland.thresholds.0", "got '0'"),
     ("flatland/worlds/furnished/walls", "yes", "flatland.worlds.furnished.walls", "got 'yes'"),
-    ("flatland/worlds/furnished/things", 2.5, "flatland.worlds.furnished.things", "got 2.5"),
+    ("flatland/worlds/furnished/objects", 2.5, "flatland.worlds.furnished.objects", "got 2.5"),
     ("flatland/worlds/furnished", 7, "flatland.worlds.furnished", "got 7"),
     ("flatland/agents", ["polyphemus"], "flatland.agents", "got ['polyphemus']"),
     ("flatland/combinations/worlds", "things-0", "flatland.combinations.worlds", "got 'things-0'"),
@@ -135,8 +135,8 @@ WRONG = [
         "flatland.agents.polyphemus.joint_range_degrees",
         "360",
     ),
-    ("flatland/worlds/furnished/things", -1, "flatland.worlds.furnished.things", "got -1"),
-    ("flatland/worlds/furnished/things", 25, "flatland.worlds.furnished.things", "24"),
+    ("flatland/worlds/furnished/objects", -1, "flatland.worlds.furnished.objects", "got -1"),
+    ("flatland/worlds/furnished/objects", 25, "flatland.worlds.furnished.objects", "24"),
     ("flatland/worlds/furnished/width", 100, "flatland.worlds.furnished.width", "200"),
     ("flatland/worlds/furnished/height", 5001, "flatland.worlds.furnished.height", "5000"),
     ("flatland/worlds/furnished/start_margin", 39, "flatland.worlds.furnished.start_margin", "40"),
@@ -274,7 +274,7 @@ def test_the_default_profile_says_what_it_says(default_config):
     assert default_config.folder == Path("results/default")
     assert flatland.sequence_length == 50
     assert flatland.worlds["free-space"].walls is False
-    assert flatland.worlds["furnished"].things == 10
+    assert flatland.worlds["furnished"].objects == 10
     assert joint_range(flatland.agents["joint-stops"]) == pytest.approx(math.pi / 3)
     assert joint_range(flatland.agents["polyphemus"]) == math.inf
 

@@ -427,7 +427,7 @@ def test_a_predictor_is_read_as_it_was_written(predictor):
     torch.manual_seed(0)
     for written, read in (
         (MaskRaft(**SMALL["raft"]), loaded.model),
-        (ViewClassifier(4), loaded.judge),
+        (ViewClassifier(4), loaded.view_classifier),
     ):
         pairs = zip(written.state_dict().items(), read.state_dict().items(), strict=True)
         assert all(

@@ -300,10 +300,10 @@ def test_the_dof_nearest_one_half_is_one_of_the_arm(config):
         ({"fixed": {"nose_joint": 0.1}}, "masks: fixed: .* has no joint 'nose_joint'"),
         ({"fixed": {"shoulder_pan_joint": 0.1}}, "is moved by 'shoulder-pan'"),
         (
-            {"map": {"cramped": "cellar"}},
-            r"masks\.map\.cramped: 'rs-stand-in' has no room 'cellar'",
+            {"map": {"cramped_room": "cellar"}},
+            r"masks\.map\.cramped_room: 'rs-stand-in' has no room 'cellar'",
         ),
-        ({"map": {"low": ["throne"]}}, r"masks\.map\.low: 'rs-stand-in' has no furniture 'throne'"),
+        ({"map": {"low_furniture": ["throne"]}}, r"masks\.map\.low_furniture: 'rs-stand-in' has no furniture 'throne'"),
     ],
 )
 def test_settings_that_make_no_sense_are_told_before_any_work(config, change, message):

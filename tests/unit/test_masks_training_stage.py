@@ -125,12 +125,12 @@ def refine_masks(files, config, name: str, places: str = "places") -> MaskPredic
 
 def test_a_killed_judging_ends_as_one_that_was_not(files, config, monkeypatch):
     trained(files, config, "model")
-    assert load_predictor(files / "model.predictor").judge is None
+    assert load_predictor(files / "model.predictor").view_classifier is None
     write_arrays(files / "places.h5", "places", some_places(9)._asdict(), {})
     monkeypatch.setattr(
         mask_judging, "quality", lambda *_: (0.5, 0.5)
     )  # what it is taught helps nobody
-    assert refine_masks(files, config, "whole").judge is not None
+    assert refine_masks(files, config, "whole").view_classifier is not None
     monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
     advance, steps = ViewClassifierTrainer.advance, []
 
@@ -199,9 +199,9 @@ def test_a_judge_is_kept_unless_it_harms(view, kept, capsys):
         Pairs(pictures, masks, np.full(2, 2, np.int8), ("moved",) * 2),
     )
     after = mask_judging.given_a_judge(predictor, SaysEmpty(view), found, pairs)
-    assert (predictor.judge is not None) == kept
+    assert (predictor.view_classifier is not None) == kept
     assert np.array_equal(after > 0.5, masks if kept else found > 0.5)
-    assert ("left out; show it more places (masks.judge.samples)" in capsys.readouterr().err) == (
+    assert ("left out; show it more places (masks.view_classifier.samples)" in capsys.readouterr().err) == (
         not kept
     )
 
@@ -214,7 +214,7 @@ def test_a_model_that_finds_no_place_gets_no_judge(files, config):
         Places(np.zeros((0, CHANNELS, SIDE, SIDE), np.float16), np.zeros((0, 2), bool))._asdict(),
         {},
     )
-    assert refine_masks(files, config, "alone", "none").judge is None
+    assert refine_masks(files, config, "alone", "none").view_classifier is None
 
 
 def test_a_trained_predictor_from_the_command_line(files, config):

@@ -199,7 +199,7 @@ def test_a_room_that_is_too_full_says_so(room, agent, says):
 def test_check_rooms_names_what_does_not_fit(default_config):
     check_rooms(default_config)
     full = changed(
-        default_config, worlds={"things-8": {"things": 24, "width": 320.0, "height": 320.0}}
+        default_config, worlds={"things-8": {"objects": 24, "width": 320.0, "height": 320.0}}
     )
     with pytest.raises(
         ConfigError, match=r"flatland\.worlds\.things-8 with flatland\.agents\..*no free place"

@@ -127,7 +127,7 @@ def test_lengths_share_their_start_situations(experiments, tiny_config):
 
 def test_adding_worlds_and_agents_changes_no_result(experiments, tiny_config):
     config = changed(
-        tiny_config, worlds={"attic": {"things": 2}}, agents={"giraffe": {"arm_length": 100.0}}
+        tiny_config, worlds={"attic": {"objects": 2}}, agents={"giraffe": {"arm_length": 100.0}}
     )
     pd.testing.assert_frame_equal(run_experiments(config, FURNISHED, 0, 6), experiments)
 

@@ -81,7 +81,7 @@ def test_every_command_quotes(folder):
             "touch pwned",
         ),
         ({"apartment": {"weights": "'; touch pwned; '"}}, "apartment.weights"),
-        ({"masks": {"map": {"cramped": "$(touch pwned)"}}}, "masks.map.cramped"),
+        ({"masks": {"map": {"cramped_room": "$(touch pwned)"}}}, "masks.map.cramped_room"),
     ],
     ids=lambda value: next(iter(value)) if isinstance(value, dict) else None,
 )

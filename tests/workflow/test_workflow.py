@@ -25,7 +25,7 @@ def test_no_room_for_the_things_is_said_before_any_job(tmp_path: Path) -> None:
     folder = copy_workflow(tmp_path / "crowded")
     overlay = folder / "overlay.yaml"
     overlay.write_text(
-        "flatland: {worlds: {furnished: {things: 24, width: 200.0, height: 200.0, start_margin: 90.0}}}"
+        "flatland: {worlds: {furnished: {objects: 24, width: 200.0, height: 200.0, start_margin: 90.0}}}"
     )
     run = subprocess.run(
         [*command("--cores", "1")[:3], str(overlay), "--cores", "1"],

@@ -114,7 +114,7 @@ rule mask_places:
         mem_mb=growing(1500 + memory_of_pairs(2 * MASKS.data.pairs_per_job)),
         runtime=growing(20),
     params:
-        settings=digest(MASKS.judge.pairs),
+        settings=digest(MASKS.view_classifier.pairs),
     message:
         "places that {wildcards.model} finds changed, part {wildcards.part} of {wildcards.parts}"
     shell:
@@ -350,7 +350,7 @@ rule local_scp_summary:
     log:
         LOGS / "local_scp_summary.log",
     params:
-        settings=digest(APARTMENT.reach, MASKS.map.cramped),
+        settings=digest(APARTMENT.reach, MASKS.map.cramped_room),
     message:
         "does the map show what cannot be moved?"
     shell:

@@ -62,11 +62,11 @@ class MaskPredictor:
         model: nn.Module | None,
         rule: DecisionThresholds | None = None,
         device: str = "cpu",
-        judge: ViewClassifier | None = None,
+        view_classifier: ViewClassifier | None = None,
     ):
         self.name, self.rule, self.device = name, rule or DecisionThresholds(), device
         self.model = model.to(device).eval() if model is not None else None
-        self.judge = judge.to(device).eval() if judge is not None else None
+        self.view_classifier = judge.to(device).eval() if judge is not None else None
 
     def probabilities(
         self, pictures: np.ndarray, batch_size: int = 16, again: bool = True
@@ -104,9 +104,9 @@ class MaskPredictor:
             found[unsure] = remove_small_components(
                 _probabilities(predict_half_resolution(self._see, x[unsure]))
             )
-        if self.judge is not None:
+        if self.view_classifier is not None:
             doubtful = np.union1d(moved, unsure)
-            found[doubtful] = refine_masks(self.judge, found[doubtful], pictures[doubtful])
+            found[doubtful] = refine_masks(self.view_classifier, found[doubtful], pictures[doubtful])
 
     def _see(self, pictures: Tensor) -> Tensor:
         """Logits, float (n, 2, h, w), of pictures float (n, 2, 3, h, w)."""
@@ -122,7 +122,7 @@ class MaskPredictor:
         """Write the predictor, its weights in half precision, and what it comes from."""
         networks = {
             key: _packed(network)
-            for key, network in (("model", self.model), ("judge", self.judge))
+            for key, network in (("model", self.model), ("judge", self.view_classifier))
             if network is not None
         }
         save_state(

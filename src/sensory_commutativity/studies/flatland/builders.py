@@ -30,7 +30,7 @@ def flatland_room(config: FlatlandConfig, world: str) -> Room:
         width=settings.width,
         height=settings.height,
         walls=settings.walls,
-        things=settings.things,
+        things=settings.objects,
         start_margin=settings.start_margin,
         path_speed=settings.path_speed,
     )

@@ -40,7 +40,7 @@ class AgentConfig(Section):
 class WorldConfig(Section):
     """A kind of room. Start situations are drawn anew for every experiment."""
 
-    things: int = Field(
+    objects: int = Field(
         10,
         ge=0,
         le=24,
@@ -207,7 +207,7 @@ class FlatlandConfig(Section):
                 f"commutation.settled_world names {settled!r}; choose a world with path_speed: 0.0 that is not the reference world"
             )
         for name in self.free_space.worlds:
-            if self.worlds[name].walls or self.worlds[name].things:
+            if self.worlds[name].walls or self.worlds[name].objects:
                 raise ValueError(
                     f"free_space.worlds names {name!r}, which has walls or things; give it walls: false and things: 0"
                 )

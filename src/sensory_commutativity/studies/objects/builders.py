@@ -87,7 +87,7 @@ def places_of_map(config: Config) -> list[Pose]:
 
 def map_jobs(config: Config) -> int:
     """Into how many jobs they are cut."""
-    return math.ceil(len(places_of_map(config)) / config.masks.map.places_per_job)
+    return math.ceil(len(places_of_map(config)) / config.masks.map.poses_per_job)
 
 
 def robot_of_masks(config: Config) -> Robot:
@@ -151,7 +151,7 @@ def recipe_of(config: Config, model: ModelName) -> TrainingSettings:
 
 def recipe_of_judge(config: Config) -> TrainingSettings:
     """How a judge of places is trained."""
-    return _recipe(config.masks.judge)
+    return _recipe(config.masks.view_classifier)
 
 
 def training_seed(config: Config) -> int:
@@ -231,7 +231,7 @@ def settings_of_tests(config: Config, run: TupleRun) -> str:
 def settings_of_map(config: Config) -> str:
     """Everything that the local SCP at a place depends on but the predictor and the degree of freedom, as JSON."""
     masks, apartment = config.masks, config.apartment
-    return json.dumps([*_files(config, [masks.map.scene]), masks.map.model_dump(mode="json", exclude={"cramped"}), masks.fixed, masks.image_size,
+    return json.dumps([*_files(config, [masks.map.scene]), masks.map.model_dump(mode="json", exclude={"cramped_room"}), masks.fixed, masks.image_size,
                        masks.data.field_of_view, apartment.supersampling, config.seed])  # fmt: skip
 
 
@@ -252,7 +252,7 @@ def settings_of_training(config: Config, model: ModelName) -> str:
 def settings_of_judging(config: Config, model: ModelName) -> str:
     """Everything that a judge of places depends on, as JSON."""
     return json.dumps(
-        [settings_of_training(config, model), config.masks.judge.model_dump(mode="json")]
+        [settings_of_training(config, model), config.masks.view_classifier.model_dump(mode="json")]
     )
 
 
@@ -265,14 +265,14 @@ def check_masks(config: Config) -> None:
         [area.name for area in scene.areas],
         {fixture.name for fixture in scene.fixtures},
     )
-    if settings.cramped not in rooms:
+    if settings.cramped_room not in rooms:
         raise ConfigError(
-            f"masks.map.cramped: {settings.scene!r} has no room {settings.cramped!r}; choose one of {', '.join(rooms)}"
+            f"masks.map.cramped_room: {settings.scene!r} has no room {settings.cramped_room!r}; choose one of {', '.join(rooms)}"
         )
-    for name in settings.low:
+    for name in settings.low_furniture:
         if name not in fixtures:
             raise ConfigError(
-                f"masks.map.low: {settings.scene!r} has no furniture {name!r}; name furniture of its floor plan"
+                f"masks.map.low_furniture: {settings.scene!r} has no furniture {name!r}; name furniture of its floor plan"
             )
 
 

@@ -92,7 +92,7 @@ def _alternatives(found: pd.DataFrame) -> list[Claim]:
 
 def _map(summary: pd.DataFrame, config: Config) -> list[Claim]:
     rows = summary[summary["decided_by"] == "predictor"].set_index("where")
-    curve, free, cramped = rows.loc["all"], rows.loc["open"], rows.loc[config.masks.map.cramped]
+    curve, free, cramped = rows.loc["all"], rows.loc["open"], rows.loc[config.masks.map.cramped_room]
     ends = (curve["ci_low"], curve["ci_high"])
     regions = (("open space", free), (cramped.name, cramped))
     medians = "; ".join(

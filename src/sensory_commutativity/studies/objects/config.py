@@ -113,14 +113,14 @@ class MapConfig(Section):
         10, ge=1, le=100_000, description="SC-experiments at each place and heading."
     )
     sequence_length: int = Field(100, ge=1, le=2000, description="Actions in a sequence.")
-    cramped: str = Field(
+    cramped_room: str = Field(
         "kitchen", description="The room of the floor plan in which the local SCP should be low."
     )
-    low: list[str] = Field(
+    low_furniture: list[str] = Field(
         default_factory=list,
         description="Furniture of the floor plan over which an arm passes, where it should stay high.",
     )
-    places_per_job: int = Field(
+    poses_per_job: int = Field(
         40, ge=1, le=100_000, description="Places with their heading in a job; changes no result."
     )
 
@@ -150,7 +150,7 @@ class MasksConfig(Section):
     tests: MaskTestConfig
     raft: MaskModelConfig
     flownet: MaskModelConfig
-    judge: ViewClassifierConfig
+    view_classifier: ViewClassifierConfig
     map: MapConfig
 
     @model_validator(mode="after")

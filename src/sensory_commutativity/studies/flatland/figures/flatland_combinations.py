@@ -51,7 +51,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         for j, world in enumerate(worlds):
             picture, bars = grid[2 * i, j], grid[2 * i + 1, j]
             _example(picture, config, world, agent)
-            things = flatland.worlds[world].things
+            things = flatland.worlds[world].objects
             picture.set_title(
                 f"{agent}: arms of 2 × {flatland.agents[agent].arm_length:g} units\n{things} objects",
                 fontsize=9,

@@ -17,7 +17,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     empty = [
         world
         for world in flatland.combinations.worlds
-        if flatland.worlds[world].things == 0 and flatland.worlds[world].walls
+        if flatland.worlds[world].objects == 0 and flatland.worlds[world].walls
     ]
     cases = [
         (w, a, "unbounded") for w in flatland.free_space.worlds for a in flatland.free_space.agents

@@ -31,7 +31,7 @@ def find_trends(scp: pd.DataFrame, config: Config) -> pd.DataFrame:
     ].set_index(["agent", "dof", "world"])
     dofs = list(dict.fromkeys(counts.index.get_level_values("dof")))
     counts = counts.sort_index()
-    objects = np.array([flatland.worlds[world].things for world in worlds])
+    objects = np.array([flatland.worlds[world].objects for world in worlds])
     shortest = min(agents, key=lambda agent: flatland.agents[agent].arm_length)
     longest = max(agents, key=lambda agent: flatland.agents[agent].arm_length)
     rows = []

@@ -21,7 +21,7 @@ def write_mask_places(
 ) -> None:
     """The places of the first pairs of a file in which something moved."""
     told = read_pairs(pairs)
-    chosen = np.nonzero(told.outcome == MOVED)[0][: config.masks.judge.pairs]
+    chosen = np.nonzero(told.outcome == MOVED)[0][: config.masks.view_classifier.pairs]
     places = labelled_regions(
         load_predictor(predictor, model, best_device()), told.pictures[chosen], told.masks[chosen]
     )

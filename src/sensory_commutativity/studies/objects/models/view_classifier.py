@@ -94,12 +94,12 @@ def given_a_judge(
     worse = both < alone
     says = f"{predictor.name}: validation: mean IoU {alone:.3f} alone, {both:.3f} with its judge"
     print(
-        says + (", which is left out; show it more places (masks.judge.samples)" if worse else ""),
+        says + (", which is left out; show it more places (masks.view_classifier.samples)" if worse else ""),
         file=sys.stderr,
     )
     if worse:
         return found
-    predictor.judge = judge
+    predictor.view_classifier = judge
     return mended
 
 

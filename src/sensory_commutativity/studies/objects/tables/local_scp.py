@@ -72,7 +72,7 @@ def write_local_scp_experiments(config: Config, part: int, out: Path) -> None:
         )
         if seen is not None:
             reach = usual_reach(
-                world.simulation, np.array(place[1:]), joint, excursion, settings.low, seen.starts
+                world.simulation, np.array(place[1:]), joint, excursion, settings.low_furniture, seen.starts
             )
             found.append((place, seen, reach))
     size, n = config.masks.image_size, settings.experiments
@@ -125,7 +125,7 @@ def write_local_scp(
 
 
 def _of_job(config: Config, part: int) -> slice:
-    n = config.masks.map.places_per_job
+    n = config.masks.map.poses_per_job
     return slice(part * n, (part + 1) * n)
 
 

@@ -34,7 +34,7 @@ def regions(table: pd.DataFrame, config: Config) -> dict[str, np.ndarray]:
     """Name -> which rows of a local_scp table belong to it, bool (n,)."""
     return {
         "open": (table["clearance"] > config.apartment.reach).to_numpy(),
-        config.masks.map.cramped: (table["room"] == config.masks.map.cramped).to_numpy(),
+        config.masks.map.cramped_room: (table["room"] == config.masks.map.cramped_room).to_numpy(),
         "over low things": table["over_low"].to_numpy(),
     }
 

@@ -108,7 +108,7 @@ def _left_equals_right(pairs: pd.DataFrame) -> Claim:
 def _appendix_b(scp: pd.DataFrame, trends: pd.DataFrame, config: Config) -> list[Claim]:
     combinations, worlds = config.flatland.combinations, config.flatland.worlds
     empty = [
-        world for world in combinations.worlds if worlds[world].things == 0 and worlds[world].walls
+        world for world in combinations.worlds if worlds[world].objects == 0 and worlds[world].walls
     ]
     claims = []
     if empty:
