@@ -3,7 +3,7 @@
 #   snakemake --cores all                                        the default profile, some minutes
 #   snakemake --cores all --configfile config/paper.yaml         the paper's sizes
 #
-# Every rule calls a command of the same name (sensory-commutativity --help); the science is in src/.
+# Every rule calls a command (sensory-commutativity --help); the science is in src/.
 from snakemake.utils import min_version
 
 min_version("9.0")
@@ -15,7 +15,7 @@ configfile: "config/default.yaml"
 include: "workflow/rules/common.smk"
 include: "workflow/rules/flatland.smk"
 include: "workflow/rules/apartment.smk"
-include: "workflow/rules/masks.smk"
+include: "workflow/rules/objects.smk"
 include: "workflow/rules/navigation.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/runs.smk"

@@ -31,19 +31,19 @@ REPEATS = 7
 
 def world_steps() -> float:
     """Steps with an observation each, per second: 40 random start situations with 10 things, 250 random actions of all degrees of freedom in each."""
-    world, rng, elapsed = FlatlandWorld(Room(things=10)), generator(1, "bench"), 0.0
+    world, rng, elapsed = FlatlandWorld(Room(objects=10)), generator(1, "bench"), 0.0
     for _ in range(40):
         world.reset(rng)
         actions = rng.uniform(-1, 1, (250, 8))
         begin = time.perf_counter()
-        world.watch(actions)
+        world.rollout(actions)
         elapsed += time.perf_counter() - begin
     return 40 * 250 / elapsed
 
 
 def single_steps() -> float:
     """The same, one Python call of step() and one of observe() for each action."""
-    world, rng = FlatlandWorld(Room(things=10)), generator(1, "bench")
+    world, rng = FlatlandWorld(Room(objects=10)), generator(1, "bench")
     world.reset(rng)
     actions = rng.uniform(-1, 1, (2000, 8))
     begin = time.perf_counter()
@@ -67,7 +67,7 @@ def vector_steps() -> float:
 
 def resets() -> float:
     """Random start situations drawn and built, per second."""
-    world, rng = FlatlandWorld(Room(things=10)), generator(1, "bench")
+    world, rng = FlatlandWorld(Room(objects=10)), generator(1, "bench")
     begin = time.perf_counter()
     for _ in range(300):
         world.reset(rng)
@@ -88,10 +88,12 @@ def learning_steps() -> float:
     import torch
 
     from sensory_commutativity.navigation.training import learner_of_run
+    from sensory_commutativity.studies.navigation.builders import training_run
 
     torch.set_num_threads(1)
     config = load("config/default.yaml")
-    learner = learner_of_run(config, "full", 1000, {dof.name: 1.0 for dof in Polyphemus().dofs})
+    scales = {dof.name: 1.0 for dof in Polyphemus().dofs}
+    learner = learner_of_run(training_run(config, "full", 1000, scales))
     learner.env.seed(1)
     n = 3 * config.navigation.learner.rollout
     begin = time.perf_counter()
@@ -124,7 +126,7 @@ def camera_frames() -> float:
     camera, rng, elapsed = Camera(128, 128, 90.0, 2), generator(1, "bench"), 0.0
     for _ in range(10):
         world.reset(rng)
-        eye, poses = world.simulation.eye_pose(), world.simulation.poses()
+        eye, poses = world.simulation.camera_pose(), world.simulation.poses()
         begin = time.perf_counter()
         for _ in range(30):
             world.renderer.render(camera, eye, poses)

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import os
 
-os.environ.setdefault(
-    "OMP_NUM_THREADS", "1"
-)  # as every job of the workflow; read when torch is imported
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # as in the workflow; read when torch is imported
 
 import pytest
 import yaml
 from hypothesis import settings
-from sensory_commutativity.helpers import DEFAULT, changed
 
 from sensory_commutativity.studies.config import Config
 from sensory_commutativity.studies.loading import load, validate
+from tests.helpers import DEFAULT, update_flatland
 
 settings.register_profile("repeatable", max_examples=50, deadline=None, derandomize=True)
 settings.load_profile("repeatable")
@@ -22,7 +20,7 @@ settings.load_profile("repeatable")
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log):
-    """Tests that look at the finished workflow go to one process, which makes it once; all others to whichever is free."""
+    """Send the tests of the finished workflow to one process, which runs it once."""
     from xdist.scheduler import LoadScopeScheduling
 
     class Scheduling(LoadScopeScheduling):
@@ -39,23 +37,23 @@ def default_config() -> Config:
 
 @pytest.fixture
 def default_settings() -> dict:
-    """What config/default.yaml holds, to be spoilt."""
+    """The contents of config/default.yaml, which a test may change."""
     return yaml.safe_load(DEFAULT.read_text())
 
 
 @pytest.fixture(scope="session")
 def tiny_config(default_config: Config) -> Config:
-    """So small that a stage takes no time."""
-    some = {"experiments": 3}
-    return changed(
+    """A configuration so small that a table takes no time."""
+    few = {"experiments": 3}
+    return update_flatland(
         default_config,
         sequence_length=4,
         reference={"experiments": 5},
-        free_space=some,
-        combinations=some,
-        variants=some,
-        sensitivity={"lengths": [2, 6], **some},
-        commutation={"settled_rest_steps": 5, **some},
+        free_space=few,
+        combinations=few,
+        variants=few,
+        sensitivity={"lengths": [2, 6], **few},
+        commutation={"settled_rest_steps": 5, **few},
         baselines={"transitions": 100, "training": 52, "epochs": 1, "batch_size": 16},
         experiments_per_job=3,
     )

@@ -1,8 +1,9 @@
-"""Compiling loops with numba, and keeping what was compiled.
+"""Compilation with numba, with a cache on disk.
 
-numba notices when the file of a compiled function changes, but not when a file does whose functions were compiled into it. So the cache lies
-in a folder named after the sources of all worlds: edit any of them and everything is compiled anew, once. The folder is set for the whole process,
-unless NUMBA_CACHE_DIR is.
+numba recompiles a function when its own file changes, but not when the file of a function that was
+compiled into it does. The cache folder is therefore named after the sources of all worlds: a change
+to any of them compiles everything once more. The folder is set for the whole process, unless
+NUMBA_CACHE_DIR is.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ def _cache_folder() -> Path:
 
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
-    numba.config.CACHE_DIR = str(_cache_folder())
+    numba.config.CACHE_DIR = str(_cache_folder())  # type: ignore[attr-defined]  # set dynamically
 
 njit = partial(numba.njit, cache=True)
 """``numba.njit`` that keeps its result between processes; use as ``@njit()``."""

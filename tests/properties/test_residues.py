@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
-from sensory_commutativity.helpers import DOFS, EMPTY, FREE_SPACE, drive, enter, started
+from tests.helpers import DOFS, EMPTY, FREE_SPACE, drive, enter, reset_world
 
 from sensory_commutativity.scp.equivalence import (
     commutative_residue,
@@ -57,7 +57,7 @@ LEFT, RIGHT = moves(-1), moves(1)
 
 def from_start(world):
     """The world and its start situation, the first two arguments of everything here."""
-    started(world)
+    reset_world(world)
     return world, world.snapshot()
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from sensory_commutativity.helpers import (
+from tests.helpers import (
     DOFS,
     EMPTY,
     FLATLAND_PAIRS,
@@ -20,9 +20,9 @@ from sensory_commutativity.helpers import (
     drive,
     enter,
     flatland,
-    full_speed,
-    linkage,
-    started,
+    sample_held_commands,
+    forward_kinematics,
+    reset_world,
 )
 
 from sensory_commutativity.scp.distances import mean_squared_error
@@ -71,7 +71,7 @@ def commands(world: World, seed: int, steps: int = 60) -> np.ndarray:
     """Half of them uniform, half at full speed, so that things are run into."""
     rng = np.random.default_rng(seed)
     n = len(world.dofs)
-    return compose(full_speed(rng, steps // 2, n), rng.uniform(-1, 1, (steps - steps // 2, n)))
+    return compose(sample_held_commands(rng, steps // 2, n), rng.uniform(-1, 1, (steps - steps // 2, n)))
 
 
 def charge(world: World, seed: int) -> np.ndarray:
@@ -111,21 +111,21 @@ def test_the_agent_has_the_eight_dofs_of_the_paper(pair):
 def test_equal_seeds_give_equal_trajectories(name):
     world, other = WORLDS[name](), WORLDS[name]()
     actions = commands(world, seed=11)
-    first = trajectory(started(world, 3), actions)
-    play(started(other, 99), actions)  # a used world must not differ from a new one
-    assert np.array_equal(first, trajectory(started(other, 3), actions))
+    first = trajectory(reset_world(world, 3), actions)
+    play(reset_world(other, 99), actions)  # a used world must not differ from a new one
+    assert np.array_equal(first, trajectory(reset_world(other, 3), actions))
     assert same(state(world), state(other))
-    assert np.array_equal(first, trajectory(started(world, 3), actions))
+    assert np.array_equal(first, trajectory(reset_world(world, 3), actions))
 
 
 @every_pair
 def test_start_situations_differ_between_seeds(pair):
     world = flatland(pair)
-    starts = [started(world, seed).poses()[0] for seed in range(20)]
+    starts = [reset_world(world, seed).poses()[0] for seed in range(20)]
     assert len({tuple(start) for start in starts}) == 20
     assert np.ptp(starts, axis=0).min() > 1.0  # units, units, rad: places and headings spread
     if world.room.things:
-        first, second = started(world, 0).poses()[N_LINKS:], started(world, 1).poses()[N_LINKS:]
+        first, second = reset_world(world, 0).poses()[N_LINKS:], reset_world(world, 1).poses()[N_LINKS:]
         assert np.abs(first - second).max(axis=1).min() > 1e-3  # each thing is somewhere else
 
 
@@ -134,7 +134,7 @@ def test_start_situations_differ_between_seeds(pair):
 
 @every_world
 def test_replay_from_a_restored_start_is_bit_identical(name):
-    world = started(WORLDS[name]())
+    world = reset_world(WORLDS[name]())
     start, actions = world.snapshot(), commands(world, seed=1)
     first = trajectory(world, actions)
     end = state(world)
@@ -145,10 +145,10 @@ def test_replay_from_a_restored_start_is_bit_identical(name):
 
 @every_world
 def test_a_snapshot_in_the_middle_of_a_run_is_exact(name):
-    world, other = WORLDS[name](), started(WORLDS[name](), 50)
+    world, other = WORLDS[name](), reset_world(WORLDS[name](), 50)
     displaced = 0
     for seed in range(6):
-        started(world, seed)
+        reset_world(world, seed)
         things_before = movable_things(world)
         play(world, charge(world, seed))
         displaced += len(things_before) > 0 and not np.array_equal(
@@ -176,11 +176,11 @@ def movable_things(world: World) -> np.ndarray:
 
 @every_world
 def test_a_snapshot_outlives_what_happens_after_it(name):
-    world = started(WORLDS[name]())
+    world = reset_world(WORLDS[name]())
     play(world, commands(world, 1))
     snapshot, here = world.snapshot(), state(world)
     play(world, commands(world, 2))
-    started(world, 77)
+    reset_world(world, 77)
     play(world, commands(world, 3))
     world.restore(snapshot)
     assert same(here, state(world))
@@ -188,7 +188,7 @@ def test_a_snapshot_outlives_what_happens_after_it(name):
 
 @every_world
 def test_looking_and_taking_a_second_snapshot_change_nothing(name):
-    world = started(WORLDS[name]())
+    world = reset_world(WORLDS[name]())
     play(world, commands(world, 1))
     first, actions = world.snapshot(), commands(world, 2)
     expected = trajectory(world, actions)
@@ -214,7 +214,7 @@ pickle.dump((trajectory(world, actions), world.poses()), sys.stdout.buffer)
 
 def test_replay_in_another_process_is_bit_identical():
     pair = ("furnished", "polyphemus")
-    world = started(flatland(pair), 5)
+    world = reset_world(flatland(pair), 5)
     play(world, commands(world, 5, 100))
     snapshot, actions = world.snapshot(), commands(world, 6, 100)
     seen = trajectory(world, actions)
@@ -236,7 +236,7 @@ def test_replay_in_another_process_is_bit_identical():
 
 @every_world
 def test_observations_never_alias(name):
-    world = started(WORLDS[name]())
+    world = reset_world(WORLDS[name]())
     first = world.observe()
     kept = first.copy()
     second = world.observe()
@@ -253,12 +253,12 @@ def test_observations_never_alias(name):
 
 @every_pair
 def test_watched_observations_never_alias(pair):
-    world = started(flatland(pair))
+    world = reset_world(flatland(pair))
     start, actions = world.snapshot(), commands(world, 1)
-    seen = world.watch(actions)
+    seen = world.rollout(actions)
     kept = seen.copy()
     world.restore(start)
-    again = world.watch(actions)
+    again = world.rollout(actions)
     assert not np.shares_memory(seen, again)
     again[...] = 7
     play(world, actions)
@@ -267,7 +267,7 @@ def test_watched_observations_never_alias(pair):
 
 @every_world
 def test_the_caller_s_actions_are_left_alone(name):
-    world = started(WORLDS[name]())
+    world = reset_world(WORLDS[name]())
     actions = 3 * commands(world, 1)
     kept = actions.copy()
     play(world, actions)
@@ -278,7 +278,7 @@ def test_the_caller_s_actions_are_left_alone(name):
 
 @every_world
 def test_playing_at_once_equals_single_steps(name):
-    world = started(WORLDS[name]())
+    world = reset_world(WORLDS[name]())
     start, actions = world.snapshot(), commands(world, 4)
     for action in actions:
         world.step(action)
@@ -294,9 +294,9 @@ def test_playing_at_once_equals_single_steps(name):
 
 @every_pair
 def test_watching_sees_what_single_steps_see(pair):
-    world = started(flatland(pair))
+    world = reset_world(flatland(pair))
     start, actions = world.snapshot(), commands(world, 4)
-    seen = world.watch(actions)
+    seen = world.rollout(actions)
     assert np.array_equal(seen[-1], world.observe())
     end = state(world)
     world.restore(start)
@@ -309,7 +309,7 @@ def test_no_element_of_the_observation_is_constant(name):
     world = WORLDS[name]()
     seen = []
     for seed in range(60):
-        started(world, seed)
+        reset_world(world, seed)
         play(world, commands(world, seed, 30))
         seen.append(world.observe())
     constant = np.ptp(np.array(seen).astype(float), axis=0) == 0
@@ -325,7 +325,7 @@ def test_no_element_of_the_observation_is_constant(name):
 
 @every_pair
 def test_the_view_is_a_line_of_rgb_pixels(pair):
-    seen = started(flatland(pair)).observe()
+    seen = reset_world(flatland(pair)).observe()
     assert seen.shape == (64, 3)  # paper, section III-A
     assert seen.dtype == np.uint8
 
@@ -335,7 +335,7 @@ def test_the_view_is_a_line_of_rgb_pixels(pair):
 
 @every_world
 def test_actions_are_clipped(name):
-    world = started(WORLDS[name]())
+    world = reset_world(WORLDS[name]())
     start, actions = world.snapshot(), 3 * commands(world, 8)
     play(world, actions)
     end = state(world)
@@ -350,7 +350,7 @@ def test_actions_are_clipped(name):
 
 @every_world
 def test_an_action_of_the_wrong_shape_is_refused(name):
-    world = started(WORLDS[name]())
+    world = reset_world(WORLDS[name]())
     n, here = len(world.dofs), state(world)
     for shape in [(), (0,), (n - 1,), (n + 1,), (1, n), (2, n)]:
         with pytest.raises(ValueError):
@@ -360,7 +360,7 @@ def test_an_action_of_the_wrong_shape_is_refused(name):
 
 @pytest.mark.parametrize("shape", [(8,), (3, 7), (3, 9), (3, 1, 8)], ids=str)
 def test_a_sequence_of_the_wrong_shape_is_refused(shape):
-    world = started(FlatlandWorld())
+    world = reset_world(FlatlandWorld())
     for method in (world.play, world.watch):
         with pytest.raises(ValueError, match="8 elements"):
             method(np.zeros(shape))
@@ -370,7 +370,7 @@ def test_a_sequence_of_the_wrong_shape_is_refused(shape):
 @pytest.mark.parametrize("method", ["step", "play", "watch"])
 def test_an_action_that_is_no_number_is_refused(method, value):
     """It would stay in the world's state for ever."""
-    world = started(FlatlandWorld())
+    world = reset_world(FlatlandWorld())
     here, actions = state(world), np.zeros((3, 8))
     actions[1, 2] = value
     with pytest.raises(ValueError, match="not finite"):
@@ -411,7 +411,7 @@ def alone(agent: str) -> FlatlandWorld:
 
 
 def move(agent: str, dof: str, value: float) -> Moved:
-    world = started(alone(agent), 6)
+    world = reset_world(alone(agent), 6)
     before, inner = world.poses(), world.inner
     world.play(compose(drive(dof, value, 1), no_op(REST_STEPS, 8)))
     return Moved(world, before, world.poses(), inner, world.inner)
@@ -440,7 +440,7 @@ def test_base_longitudinal_moves_along_the_heading(agent, value):
 def test_base_rotation_turns_on_the_spot(agent, value):
     moved = move(agent, "base-rotation", value)
     body, (x, y, heading) = moved.world.agent, moved.before[0]
-    expected = linkage(
+    expected = forward_kinematics(
         body, x, y, heading + value * speed(moved.world, "base-rotation"), body.rest_angles
     )
     assert np.allclose(moved.after, expected, atol=1e-3)
@@ -479,7 +479,7 @@ def test_a_joint_turns_what_hangs_on_it(agent, joint, value):
     angles = body.rest_angles.copy()
     counter_clockwise = 1 if joint.startswith("left") else -1
     angles[JOINTS.index(joint)] += counter_clockwise * value * speed(moved.world, joint)
-    assert np.allclose(moved.after, linkage(body, *moved.before[0], angles), atol=1e-3)
+    assert np.allclose(moved.after, forward_kinematics(body, *moved.before[0], angles), atol=1e-3)
     untouched = {
         "left-shoulder": [0, 3, 4],
         "left-elbow": [0, 1, 3, 4],
@@ -504,17 +504,17 @@ def test_equal_actions_move_the_arms_as_mirror_images(joint):
 
 @every_agent
 def test_all_dofs_at_once_keep_the_linkage_together(agent):
-    world = started(alone(agent), 2)
+    world = reset_world(alone(agent), 2)
     rng = np.random.default_rng(2)
     for _ in range(10):
-        world.play(compose(full_speed(rng, 20, 8), no_op(REST_STEPS, 8)))
+        world.play(compose(sample_held_commands(rng, 20, 8), no_op(REST_STEPS, 8)))
         inner = world.inner
-        assert np.allclose(world.poses(), linkage(world.agent, *inner[:3], inner[3:7]), atol=1e-6)
+        assert np.allclose(world.poses(), forward_kinematics(world.agent, *inner[:3], inner[3:7]), atol=1e-6)
 
 
 @pytest.mark.parametrize(("value", "stop"), [(1.0, 60.0), (-1.0, -60.0)])
 def test_joint_stops_stop(value, stop):
-    world = started(flatland(("free-space", "joint-stops")), 1)
+    world = reset_world(flatland(("free-space", "joint-stops")), 1)
     world.play(compose(drive("left-shoulder", value, 30), no_op(3, 8)))
     poses = world.poses()
     turned = poses[1, 2] - poses[0, 2] - world.agent.rest_angles[0]
@@ -522,7 +522,7 @@ def test_joint_stops_stop(value, stop):
 
 
 def test_the_eyelid_stops_where_it_is_shut_and_where_it_is_open():
-    world = started(FlatlandWorld(), 1)
+    world = reset_world(FlatlandWorld(), 1)
     world.play(drive("eyelid", -1.0, 100))
     assert world.inner[EYELID] == 0.0
     assert not world.observe().any()  # shut: all black
@@ -538,9 +538,9 @@ def test_the_identity_permutation_commutes(name):
     world = WORLDS[name]()
     n = len(world.dofs)
     for seed in range(3):
-        start, rng = started(world, seed).snapshot(), np.random.default_rng(seed)
+        start, rng = reset_world(world, seed).snapshot(), np.random.default_rng(seed)
         for sequence in [sample_sequence(rng, 50, k, n) for k in range(n)] + [
-            full_speed(rng, 50, n)
+            sample_held_commands(rng, 50, n)
         ]:
             assert (
                 mean_squared_error(*compare_orders(world, start, sequence, sequence[np.arange(50)]))
@@ -564,7 +564,7 @@ def test_free_space_commutes(dof):
 
 @pytest.mark.parametrize("dof", ["move", "eyelid"])
 def test_a_free_corridor_commutes(dof):
-    world = started(Corridor())
+    world = reset_world(Corridor())
     k, start = ["move", "eyelid"].index(dof), world.snapshot()
     for seed in range(25):
         rng = np.random.default_rng(seed)
@@ -592,7 +592,7 @@ def test_head_and_eyelid_commute_in_every_room(pair, dof):
 @pytest.mark.parametrize(("dof", "place"), [("head", HEAD), ("eyelid", EYELID)])
 def test_head_and_eyelid_end_in_the_very_same_place(dof, place):
     """To the last bit, not only to the pixel: sums of commands do not depend on their order."""
-    world, k = started(FlatlandWorld()), DOFS.index(dof)
+    world, k = reset_world(FlatlandWorld()), DOFS.index(dof)
     start = world.snapshot()
     for seed in range(25):
         rng = np.random.default_rng(seed)
@@ -726,7 +726,7 @@ def test_no_wall_is_passed(pair):
         rng = np.random.default_rng(seed)
         world.reset(rng)
         for _ in range(15):
-            actions = full_speed(rng, 10, 8)
+            actions = sample_held_commands(rng, 10, 8)
             actions[:, 0] = 1.0  # into whatever is ahead
             for action in actions:
                 world.step(action)
@@ -736,7 +736,7 @@ def test_no_wall_is_passed(pair):
         poses = world.poses()
         joints = np.diff(poses[[0, 1, 2, 0, 3, 4], 2])[[0, 1, 3, 4]]
         assert (
-            np.abs(poses[:5, :2] - linkage(world.agent, *poses[0], joints)[:, :2]).max() < 1.0
+            np.abs(poses[:5, :2] - forward_kinematics(world.agent, *poses[0], joints)[:, :2]).max() < 1.0
         )  # the arms are still in their joints
     assert 0 < pressed < world.room.wall_backing  # walls were run into, and are thicker than that
 

@@ -25,7 +25,7 @@ WORLD = np.eye(4)[None]
 
 
 def piece(mesh, position=(0.0, 0.0, 0.0), colour=RED, identity=1, body=0, texture_name=""):
-    return Drawable(Part(geometry.placed(mesh, position), colour, texture_name), identity, body)
+    return Drawable(Part(geometry.transform(mesh, position), colour, texture_name), identity, body)
 
 
 def wall(x, half=1.0, **more):
@@ -66,8 +66,8 @@ def test_a_mesh_file_is_read_and_thinned_out(tmp_path):
 
     trimesh.creation.icosphere(subdivisions=3, radius=2.0).export(tmp_path / "ball.stl")
     whole, thin = (
-        geometry.from_file(tmp_path / "ball.stl"),
-        geometry.from_file(tmp_path / "ball.stl", 100),
+        geometry.load_mesh(tmp_path / "ball.stl"),
+        geometry.load_mesh(tmp_path / "ball.stl", 100),
     )
     assert len(whole.faces) == 1280 and len(thin.faces) <= 110
     assert geometry.volume(whole) == pytest.approx(33.1, rel=0.02) and geometry.volume(
@@ -136,18 +136,18 @@ def test_pictures_do_not_depend_on_the_order_of_pieces_nor_on_what_was_drawn_bef
         Renderer(drawables[::-1], 1).render(camera, eye, WORLD),
     ):
         assert np.array_equal(first.rgb, other.rgb) and np.array_equal(
-            first.identity, other.identity
+            first.segmentation, other.segmentation
         )
     assert (
         first.rgb.shape == (48, 64, 3)
         and first.rgb.dtype == np.uint8
-        and first.identity.dtype == np.int32
+        and first.segmentation.dtype == np.int32
     )
 
 
 def test_what_is_behind_or_too_near_is_not_seen_and_nothing_is_sky():
     picture = seen([wall(-1.0), wall(0.02, 0.01)])
-    assert not picture.identity.any()
+    assert not picture.segmentation.any()
     assert np.allclose(picture.rgb[0, 0], np.array(BACKGROUND) * 255, atol=1)
 
 

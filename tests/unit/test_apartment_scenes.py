@@ -12,7 +12,7 @@ import yaml
 
 from sensory_commutativity.worlds.apartment.scenes.furniture import FURNITURE
 from sensory_commutativity.worlds.apartment.scenes.meshscene import floor_height
-from sensory_commutativity.worlds.apartment.scenes.objects import FAMILIES, OBJECTS, of_family
+from sensory_commutativity.worlds.apartment.scenes.objects import FAMILIES, OBJECTS, list_object_types
 from sensory_commutativity.worlds.apartment.scenes.scene import Scene, SceneError
 from sensory_commutativity.worlds.apartment.scenes.scenefile import load_scene
 from sensory_commutativity.worlds.apartment.scenes.scenery import build_scenery
@@ -107,7 +107,7 @@ def test_objects_of_a_shipped_apartment_stay_where_they_are_put(shipped, client)
 
 
 def test_families_are_disjoint_and_of_real_sizes():
-    training, testing = (set(of_family(family)) for family in FAMILIES)
+    training, testing = (set(list_object_types(family)) for family in FAMILIES)
     assert (
         training | testing == set(OBJECTS)
         and not training & testing

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
-from sensory_commutativity.helpers import DEFAULT
+from tests.helpers import DEFAULT
 
 from sensory_commutativity.storage.tables import TABLES, read_table, write_table
 from sensory_commutativity.studies.apartment.claims import apartment_claims
@@ -229,7 +229,7 @@ def test_free_space_that_does_not_commute_is_told(experiments, config, tmp_path)
 
 def test_a_robot_without_a_hierarchy_has_a_table_without_rows_and_no_such_claim(tmp_path, config):
     """As the smallest description in config/robots/README.md: an arm that is fixed to the floor, and nothing expected of it."""
-    from sensory_commutativity.test_apartment_robot import written as write_robot
+    from tests.worlds.apartment.examples import write_robot
 
     from sensory_commutativity.studies.loading import merge, validate
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from sensory_commutativity.helpers import DOFS, changed
+from tests.helpers import DOFS, update_flatland
 
 from sensory_commutativity.studies.flatland.config import BaselinesConfig
 from sensory_commutativity.studies.flatland.naive_change import (
@@ -104,7 +104,7 @@ def test_equal_seeds_give_equal_errors():
     assert np.array_equal(first, prediction_error(transitions, settings(), 1))
     assert torch.equal(
         torch.get_rng_state(), before
-    )  # the global generator is neither used nor changed
+    )  # the global generator is neither used nor update_flatland
 
 
 @pytest.mark.parametrize(("training", "tested"), [(50, 10), (75, 5), (95, 1)])
@@ -196,13 +196,13 @@ def test_all_dofs_share_their_start_situations(tiny_config):
 
 def test_more_transitions_begin_with_the_same(tiny_config):
     few = collect_transitions(tiny_config, "head")
-    many = collect_transitions(changed(tiny_config, baselines={"transitions": 200}), "head")
+    many = collect_transitions(update_flatland(tiny_config, baselines={"transitions": 200}), "head")
     assert np.array_equal(many.observations[:25], few.observations)
 
 
 def test_transitions_come_from_the_reference_world(tiny_config):
     transitions = collect_transitions(
-        changed(tiny_config, reference={"world": "things-8", "agent": "slow-base"}),
+        update_flatland(tiny_config, reference={"world": "things-8", "agent": "slow-base"}),
         "base-longitudinal",
     )
     other = collect_transitions(tiny_config, "base-longitudinal")
@@ -211,7 +211,7 @@ def test_transitions_come_from_the_reference_world(tiny_config):
 
 def test_the_action_leads_from_one_observation_to_the_next(tiny_config):
     """The eyelid in a bare room: every pixel follows it."""
-    bare = changed(tiny_config, worlds={"bare": {"objects": 0}}, reference={"world": "bare"})
+    bare = update_flatland(tiny_config, worlds={"bare": {"objects": 0}}, reference={"world": "bare"})
     transitions = collect_transitions(bare, "eyelid")
     opened = 1 + 0.05 * np.cumsum(transitions.actions[:, :, 3], axis=1)  # authors: 1/20 per step
     expected = np.minimum(255, transitions.observations[:, :1] * opened[:, :, None, None])

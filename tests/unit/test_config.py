@@ -13,7 +13,7 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from sensory_commutativity.helpers import DEFAULT, ROOT, changed
+from tests.helpers import DEFAULT, ROOT, update_flatland
 
 from sensory_commutativity.errors import ConfigError, UserError
 from sensory_commutativity.studies.config import Config
@@ -174,7 +174,7 @@ WRONG = [
     ),
     ("flatland/thresholds", [0.0, -math.inf], "flatland.thresholds.1", "not a finite number"),
     ("profile", datetime.date(2020, 1, 1), "profile", "put it in quotes"),
-    ("flatland/agents", {2: {}}, "flatland.agents", "the key 2 is no text"),
+    ("flatland/agents", {2: {}}, "flatland.agents", "the key 2 is not text"),
     # several keys that do not go together
     (
         "flatland/worlds/furnished/start_margin",
@@ -315,7 +315,7 @@ def test_runs_are_all_experiments_in_order(tiny_config):
 @pytest.mark.parametrize(("per_job", "expected"), [(1, 1), (9, 1), (10, 1), (25, 2), (1000, 100)])
 def test_commutation_jobs_are_a_tenth(tiny_config, per_job, expected):
     assert (
-        changed(tiny_config, experiments_per_job=per_job).flatland.commutation_per_job == expected
+        update_flatland(tiny_config, experiments_per_job=per_job).flatland.commutation_per_job == expected
     )
 
 
@@ -324,7 +324,7 @@ def test_commutation_jobs_are_a_tenth(tiny_config, per_job, expected):
     [(1, 5, 3), (2, 3, 3), (5, 1, 3), (20, 1, 2), (1000, 1, 1)],
 )
 def test_jobs_hold_all_experiments(tiny_config, per_job, jobs, commutation_jobs):
-    flatland = changed(tiny_config, experiments_per_job=per_job).flatland
+    flatland = update_flatland(tiny_config, experiments_per_job=per_job).flatland
     assert flatland.n_jobs(flatland.reference.experiments) == jobs
     assert flatland.n_commutation_jobs == commutation_jobs
 
@@ -412,7 +412,7 @@ def test_files_are_laid_over_one_another(tmp_path, default_config):
         ("seed: !!python/object:os.system x\n", "not valid YAML"),
         ("seed: 2020-01-01\n", "config.seed: datetime.date(2020, 1, 1) is a date"),
         ("seed: .nan\n", "config.seed: nan is not a finite number"),
-        ("1: 2\n", "the key 1 is no text"),
+        ("1: 2\n", "the key 1 is not text"),
         (
             "seed: 1e3\n",
             "got '1e3'; write numbers without quotes and as 0.001 or 1.0e-3",

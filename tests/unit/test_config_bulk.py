@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import pytest
 import yaml
-from sensory_commutativity.helpers import DEFAULT, ROOT
+from tests.helpers import DEFAULT, ROOT
 
 from sensory_commutativity import cli
 from sensory_commutativity.storage.yamlfile import read_yaml

@@ -11,10 +11,10 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sensory_commutativity.helpers import DEFAULT
+from tests.helpers import DEFAULT
 
 from sensory_commutativity.errors import ConfigError
-from sensory_commutativity.storage.yamlfile import DEEPEST, MOST_BYTES, MOST_VALUES, read_yaml
+from sensory_commutativity.storage.yamlfile import MAX_BYTES, MAX_DEPTH, MAX_VALUES, read_yaml
 from sensory_commutativity.studies.config import Config
 from sensory_commutativity.studies.loading import load, validate
 
@@ -160,7 +160,7 @@ STRANGE = {
     "objects are not made": (b"seed: !!python/object/new:type [a, [], {}]", "not valid YAML"),
     "a key twice": (
         b"seed: 1\nprofile: a\nseed: 2",
-        "in line 3: the key 'seed' is there already in line 1",
+        "in line 3: the key 'seed' is already in line 1",
     ),
     "a key twice, quoted": (b"seed: 1\n'seed': 2", "in line 2: the key 'seed'"),
     "a key twice, inside": (b"flatland: {rest_steps: 3, rest_steps: 4}", "the key 'rest_steps'"),
@@ -182,25 +182,25 @@ STRANGE = {
     ),
     "aliases in a chain": (
         b"a0: &a0 [1]\n" + b"".join(b"a%d: &a%d [*a%d]\n" % (i, i, i - 1) for i in range(1, 200)),
-        f"aliases that stand for more than {DEEPEST} levels",
+        f"aliases that stand for more than {MAX_DEPTH} levels",
     ),
-    "itself in a list": (b"seed: &a [*a]", "a value that holds itself"),
-    "itself in a mapping": (b"flatland: &a {agents: *a}", "a value that holds itself"),
-    "deep lists": (b"seed: " + b"[" * 20_000, f"more than {DEEPEST} levels"),
-    "deep mappings": (b"{a: " * 20_000, f"more than {DEEPEST} levels"),
+    "itself in a list": (b"seed: &a [*a]", "a value that contains itself"),
+    "itself in a mapping": (b"flatland: &a {agents: *a}", "a value that contains itself"),
+    "deep lists": (b"seed: " + b"[" * 20_000, f"more than {MAX_DEPTH} levels"),
+    "deep mappings": (b"{a: " * 20_000, f"more than {MAX_DEPTH} levels"),
     "deep by indentation": (
         b"".join(b" " * i + b"a:\n" for i in range(300)),
-        f"more than {DEEPEST} levels",
+        f"more than {MAX_DEPTH} levels",
     ),
-    "very many values": (b"seed: [" + b"1," * MOST_VALUES + b"]", "more than 20,000 values"),
-    "a very large file": (b"#" * (MOST_BYTES + 1), "more than 1,000,000 bytes"),
+    "very many values": (b"seed: [" + b"1," * MAX_VALUES + b"]", "more than 20,000 values"),
+    "a very large file": (b"#" * (MAX_BYTES + 1), "more than 1,000,000 bytes"),
     "a zero byte": (b"seed: 1\0", "not valid YAML"),
     "a zero byte, escaped": (b'results: "a\\0b"', "config.results"),
     "half a character": (b'profile: "\\ud800"', "config.profile"),
     "half a character in a key": (b'"\\ud800": 1', "the key"),
     "bytes that are no UTF-8": (b"profile: \xff", "cannot be read"),
     "UTF-16": ("seed: 1".encode("utf-16"), "cannot be read"),
-    "a number of 5000 digits": (b"seed: " + b"9" * 5000, "no value of the type int"),
+    "a number of 5000 digits": (b"seed: " + b"9" * 5000, "not a valid int"),
     "a number of 20000 bits": (b"seed: 0x" + b"f" * 5000, "config.seed: a number of 20000 bits"),
     "more than a float holds": (
         b"navigation: {threshold_return: 1" + b"0" * 400 + b"}",
@@ -208,12 +208,12 @@ STRANGE = {
     ),
     "no number": (b"seed: .nan", "config.seed: nan"),
     "an infinite number": (b"seed: 1.0e+400", "config.seed: inf"),
-    "a date that is none": (b"seed: 2020-99-99", "no value of the type timestamp"),
-    "a number that is none": (b"seed: !!int x", "no value of the type int"),
-    "a number without digits": (b"seed: !!int ", "no value of the type int"),
+    "a date that is none": (b"seed: 2020-99-99", "not a valid timestamp"),
+    "a number that is none": (b"seed: !!int x", "not a valid int"),
+    "a number without digits": (b"seed: !!int ", "not a valid int"),
     "a date beyond all time": (b"seed: 0001-01-01 00:00:00 +23:00", "config.seed"),
-    "digits of no number": (b"seed: 0x_", "no value of the type int"),
-    "a truth that is none": (b"seed: !!bool x", "no value of the type bool"),
+    "digits of no number": (b"seed: 0x_", "not a valid int"),
+    "a truth that is none": (b"seed: !!bool x", "not a valid bool"),
     "a set": (b"seed: !!set {a, b}", "config.seed"),
     "a list for a key": (b"? [a]\n: 1", "not valid YAML"),
     "two documents": (b"seed: 1\n---\nseed: 2", "not valid YAML"),

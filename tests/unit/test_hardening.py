@@ -16,13 +16,12 @@ import pytest
 import torch
 import trimesh
 import yaml
-from sensory_commutativity.helpers import DEFAULT
+from tests.helpers import DEFAULT
 
 import sensory_commutativity
-from sensory_commutativity.change_detection.predictor import _FORMAT, PredictorError, load_predictor
+from sensory_commutativity.change_detection.predictor import FORMAT, PredictorError, load_predictor
 from sensory_commutativity.errors import ConfigError, UserError
-from sensory_commutativity.navigation.training import policy_of_run
-from sensory_commutativity.perceptual.weights import WeightsError, vgg16_weights
+from sensory_commutativity.perceptual.weights import WeightsError, load_vgg16_weights
 from sensory_commutativity.storage import yamlfile
 from sensory_commutativity.storage.checkpoints import (
     Checkpoint,
@@ -31,8 +30,10 @@ from sensory_commutativity.storage.checkpoints import (
     save_state,
 )
 from sensory_commutativity.studies.loading import load
+from sensory_commutativity.studies.navigation.builders import trained_policy
 from sensory_commutativity.worlds.apartment.robots.robot import load_robot
-from sensory_commutativity.worlds.apartment.robots.urdf import RobotError, find_file, read_urdf
+from sensory_commutativity.worlds.apartment.robots.urdf import RobotError, find_file
+from sensory_commutativity.worlds.apartment.robots.urdf_reader import read_urdf
 from sensory_commutativity.worlds.apartment.scenes.scene import SceneError
 from sensory_commutativity.worlds.apartment.scenes.scenefile import load_scene
 
@@ -120,45 +121,45 @@ def test_a_hostile_predictor_policy_or_checkpoint_is_not_executed(tmp_path, mark
 def test_hostile_weights_are_not_executed(tmp_path, marker, kind, name):
     (tmp_path / name).write_bytes(hostile_payloads(marker)[kind])
     with pytest.raises(WeightsError) as caught:
-        vgg16_weights(tmp_path / name)
+        load_vgg16_weights(tmp_path / name)
     assert "apartment.weights" in one_line(caught)
 
 
 def test_a_hostile_array_in_an_archive_of_arrays_is_not_executed(tmp_path, marker):
     np.savez(tmp_path / "vgg16.npz", **{"kernels-0": np.array([Hostile(marker)], object)})
     with pytest.raises(WeightsError):
-        vgg16_weights(tmp_path / "vgg16.npz")
+        load_vgg16_weights(tmp_path / "vgg16.npz")
 
 
 @pytest.mark.parametrize(
     "state",
     [
         {},
-        {"format": _FORMAT - 1, "name": "raft"},
-        {"format": _FORMAT, "name": "raft"},
-        {"format": _FORMAT, "name": "difference"},
-        {"format": _FORMAT, "name": "raft", "rule": [0.5]},
-        {"format": _FORMAT, "name": "raft", "rule": [0.5], "model": 3},
+        {"format": FORMAT - 1, "name": "raft"},
+        {"format": FORMAT, "name": "raft"},
+        {"format": FORMAT, "name": "difference"},
+        {"format": FORMAT, "name": "raft", "rule": [0.5]},
+        {"format": FORMAT, "name": "raft", "rule": [0.5], "model": 3},
         {
-            "format": _FORMAT,
+            "format": FORMAT,
             "name": "raft",
             "rule": [0.5],
             "model": {"architecture": 3, "weights": {}},
         },
         {
-            "format": _FORMAT,
+            "format": FORMAT,
             "name": "raft",
             "rule": [0.5],
             "model": {"architecture": {"no_such": 3}, "weights": {}},
         },
         {
-            "format": _FORMAT,
+            "format": FORMAT,
             "name": "raft",
             "rule": [0.5],
             "model": {"architecture": {}, "weights": 3},
         },
         {
-            "format": _FORMAT,
+            "format": FORMAT,
             "name": "raft",
             "rule": [0.5],
             "model": {"architecture": {}, "weights": {"a": 3}},
@@ -176,7 +177,7 @@ def test_a_predictor_that_lacks_something_is_refused(tmp_path, state):
 @pytest.mark.parametrize("model", [None, {}, {"settings": "a"}, [1]], ids=str)
 def test_a_policy_that_lacks_something_is_refused(default_config, model):
     with pytest.raises(CheckpointError, match=r"odd\.policy: no trained policy"):
-        policy_of_run(default_config, model, "odd.policy")
+        trained_policy(default_config, model, "odd.policy")
 
 
 # ---- YAML ------------------------------------------------------------------------------------------------------------------

@@ -6,12 +6,12 @@ import json
 
 import numpy as np
 import pytest
-from sensory_commutativity.helpers import DEFAULT
+from tests.helpers import DEFAULT
 
 from sensory_commutativity.change_detection.decision import DecisionThresholds
 from sensory_commutativity.change_detection.outcome import OUTCOMES
 from sensory_commutativity.change_detection.simulated.object_experiments import COMPARISONS, KINDS
-from sensory_commutativity.storage.arrays import StoreError, pack, write_arrays
+from sensory_commutativity.storage.arrays import ArrayFileError, pack_masks, write_arrays
 from sensory_commutativity.storage.tables import read_table
 from sensory_commutativity.studies.loading import load, merge, validate
 from sensory_commutativity.studies.objects.builders import tuple_jobs, tuple_runs
@@ -34,7 +34,7 @@ class Obedient:
     def __init__(self, dies_at: int | None = None):
         self.asked, self.dies_at = 0, dies_at
 
-    def probabilities(self, pictures: np.ndarray) -> np.ndarray:
+    def predict_proba(self, pictures: np.ndarray) -> np.ndarray:
         self.asked += 1
         if self.asked == self.dies_at:
             raise Killed
@@ -75,7 +75,7 @@ def played(config, tmp_path_factory):
         both, first = rng.uniform(size=(2, N)) < 0.5
         arrays = dict(
             pictures=pictures,
-            masks=pack(masks),
+            masks=pack_masks(masks),
             outcome=truth.astype(np.int8),
             kind=np.arange(N, dtype=np.int8) % 2,
             touched_fixed=both | first,
@@ -221,7 +221,7 @@ def test_the_local_scp_is_that_of_each_place(config, predictor, tmp_path, monkey
     assert (table["scp_true"] == 1).all()
     other = validate(merge(config.model_dump(mode="json"), {"masks": {"map": {"experiments": 6}}}))
     with pytest.raises(
-        StoreError, match="3 experiments at a place, where the configuration asks for 6"
+        ArrayFileError, match="3 experiments at a place, where the configuration asks for 6"
     ):
         local_scp.write_local_scp(other, files, predictor, out)
 

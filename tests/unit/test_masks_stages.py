@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
-from sensory_commutativity.helpers import DEFAULT
+from tests.helpers import DEFAULT
 
 from sensory_commutativity.change_detection.outcome import OUTCOMES
 from sensory_commutativity.change_detection.simulated.object_experiments import COMPARISONS

@@ -7,16 +7,16 @@ import pytest
 import torch
 from click.testing import CliRunner
 from PIL import Image
-from sensory_commutativity.helpers import DEFAULT
+from tests.helpers import DEFAULT
 
-from sensory_commutativity.change_detection.models.view_classifier import CHANNELS, SIDE
+from sensory_commutativity.change_detection.models.view_classifier import CROP_CHANNELS, CROP_SIZE
 from sensory_commutativity.change_detection.pair_files import Pairs, write_pairs
 from sensory_commutativity.change_detection.predictor import MODELS, MaskPredictor, load_predictor
 from sensory_commutativity.change_detection.simulated.pairs import Pair
 from sensory_commutativity.change_detection.training import trainer as cycle
 from sensory_commutativity.change_detection.training.mask_trainer import MaskTrainer
 from sensory_commutativity.change_detection.training.view_classifier_trainer import (
-    Places,
+    Regions,
     ViewClassifierTrainer,
 )
 from sensory_commutativity.cli import main
@@ -80,7 +80,7 @@ def trained(files, config, name: str) -> None:
 def test_a_killed_training_ends_as_one_that_was_not(files, config, monkeypatch, capsys):
     trained(files, config, "whole")
     assert capsys.readouterr().err.count("validation: accuracy") == 3
-    monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
+    monkeypatch.setattr(cycle, "CHECKPOINT_SECONDS", 0.0)
     advance, steps = MaskTrainer.advance, []
 
     def killed_twice(trainer: MaskTrainer) -> float:
@@ -103,9 +103,9 @@ def test_a_killed_training_ends_as_one_that_was_not(files, config, monkeypatch, 
     assert not list(files.glob(".*")), "checkpoints are left"
 
 
-def some_places(n: int, seed: int = 0) -> Places:
-    return Places(
-        np.random.default_rng(seed).uniform(size=(n, CHANNELS, SIDE, SIDE)).astype(np.float16),
+def some_places(n: int, seed: int = 0) -> Regions:
+    return Regions(
+        np.random.default_rng(seed).uniform(size=(n, CROP_CHANNELS, CROP_SIZE, CROP_SIZE)).astype(np.float16),
         np.eye(n, 2, dtype=bool),
     )
 
@@ -128,10 +128,10 @@ def test_a_killed_judging_ends_as_one_that_was_not(files, config, monkeypatch):
     assert load_predictor(files / "model.predictor").view_classifier is None
     write_arrays(files / "places.h5", "places", some_places(9)._asdict(), {})
     monkeypatch.setattr(
-        mask_judging, "quality", lambda *_: (0.5, 0.5)
+        mask_judging, "accuracy_and_iou", lambda *_: (0.5, 0.5)
     )  # what it is taught helps nobody
     assert refine_masks(files, config, "whole").view_classifier is not None
-    monkeypatch.setattr(cycle, "SAVED_EVERY", 0.0)
+    monkeypatch.setattr(cycle, "CHECKPOINT_SECONDS", 0.0)
     advance, steps = ViewClassifierTrainer.advance, []
 
     def killed(trainer: ViewClassifierTrainer) -> float:
@@ -153,11 +153,11 @@ def test_places_are_found_in_the_first_pairs_in_which_something_moved(files, con
     trained(files, config, "model")
     shown, given = [], [some_places(3, seed=k) for k in range(2)]
 
-    def seen(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray) -> Places:
+    def seen(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray) -> Regions:
         shown.append((pictures, masks))
         return given[len(shown) - 1]
 
-    monkeypatch.setattr(mask_places, "labelled_regions", seen)
+    monkeypatch.setattr(mask_places, "label_regions", seen)
     for name in "ab":
         mask_places.write_mask_places(
             config,
@@ -211,7 +211,7 @@ def test_a_model_that_finds_no_place_gets_no_judge(files, config):
     write_arrays(
         files / "none.h5",
         "places",
-        Places(np.zeros((0, CHANNELS, SIDE, SIDE), np.float16), np.zeros((0, 2), bool))._asdict(),
+        Regions(np.zeros((0, CROP_CHANNELS, CROP_SIZE, CROP_SIZE), np.float16), np.zeros((0, 2), bool))._asdict(),
         {},
     )
     assert refine_masks(files, config, "alone", "none").view_classifier is None

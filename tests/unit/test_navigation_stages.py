@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
-from sensory_commutativity.helpers import DEFAULT, ROOT
+from tests.helpers import DEFAULT, ROOT
 from statsmodels.stats.multitest import multipletests
 
 from sensory_commutativity.cli import main

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
-from sensory_commutativity.helpers import DEFAULT
+from tests.helpers import DEFAULT
 from statsmodels.duration.survfunc import survdiff
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.power import TTestIndPower

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 import pytest
-from sensory_commutativity.helpers import DOFS, changed
+from tests.helpers import DOFS, update_flatland
 
 from sensory_commutativity.scp.distances import mean_squared_error
 from sensory_commutativity.scp.experiment import commutation_experiment, sc_experiment
@@ -126,7 +126,7 @@ def test_lengths_share_their_start_situations(experiments, tiny_config):
 
 
 def test_adding_worlds_and_agents_changes_no_result(experiments, tiny_config):
-    config = changed(
+    config = update_flatland(
         tiny_config, worlds={"attic": {"objects": 2}}, agents={"giraffe": {"arm_length": 100.0}}
     )
     pd.testing.assert_frame_equal(run_experiments(config, FURNISHED, 0, 6), experiments)
@@ -144,7 +144,7 @@ def test_a_killed_part_resumes(experiments, tiny_config, tmp_path, monkeypatch):
     """Killed in its second batch; the first is not played again."""
     out, config, asked = (
         tmp_path / "part.parquet",
-        changed(tiny_config, experiments_per_job=250),
+        update_flatland(tiny_config, experiments_per_job=250),
         [],
     )
     run = Run("things-0", "polyphemus", 1, 210)
@@ -359,7 +359,7 @@ def test_trends_leave_out_other_rows(tiny_config):
 
 
 def test_trends_with_one_agent_compare_no_arms(tiny_config):
-    config = changed(tiny_config, combinations={"agents": ["polyphemus"]})
+    config = update_flatland(tiny_config, combinations={"agents": ["polyphemus"]})
     table = find_trends(scp_table(COUNTS), config)
     assert set(table["trend"]) == {OBJECTS}
 
@@ -427,7 +427,7 @@ def test_a_commutation_experiment_by_hand(world, rest_steps, tiny_config):
 
 def test_a_dof_is_tried_against_another_sequence_of_its_own(tiny_config):
     """Against itself anything would commute. The base, in a small room: blocked in one order only, now and then."""
-    config = changed(
+    config = update_flatland(
         tiny_config,
         sequence_length=60,
         worlds={"furnished": {"width": 320.0, "height": 320.0, "things": 4}},

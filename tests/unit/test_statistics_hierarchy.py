@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 import pytest
-from sensory_commutativity.helpers import DOFS
+from tests.helpers import DOFS
 
 from sensory_commutativity.studies.flatland.hierarchy import (
     HIERARCHY,

@@ -99,7 +99,7 @@ def test_a_key_that_is_there_twice_is_refused_by_the_workflow_too(folder):
         line, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, timeout=300
     )
     assert run.returncode == 2, run.stderr
-    assert "error: " in run.stderr and "the key 'seed' is there already in line 1" in run.stderr
+    assert "error: " in run.stderr and "the key 'seed' is already in line 1" in run.stderr
 
 
 def test_files_with_strange_names_and_results_in_a_strange_folder_work(folder):

@@ -1,35 +1,5 @@
-# Three dimensions: SC-experiments of robots in apartments, SCP, hierarchy, stability of the order, true interaction.
-
-
-def apartment_parts(wildcards):
-    return [
-        DATA
-        / "apartment_experiments"
-        / f"{run.robot}.{run.scene}.{run.start}.{run.length}.{i + 1}-of-{APARTMENT.n_jobs(run.experiments)}.parquet"
-        for run in APARTMENT.runs()
-        for i in range(APARTMENT.n_jobs(run.experiments))
-    ]
-
-
-def robots_and_scenes():
-    """Contents of all files that describe them."""
-    robots = [contents(r.description, "robot") for r in APARTMENT.robots.values()]
-    return robots + [contents(s.file, "scene") for s in APARTMENT.scenes.values()]
-
-
-def apartment_settings():
-    """All settings of the apartment, with the files that they name."""
-    return digest(APARTMENT, robots_and_scenes())
-
-
-def apartment_run(w):
-    """Settings of a run of SC-experiments."""
-    (run,) = [
-        run
-        for run in APARTMENT.runs()
-        if run[:4] == (w.robot, w.scene, w.start, int(w.length))
-    ]
-    return digest(settings_of_run(CONFIG, run), APARTMENT.experiments_per_job)
+# Three dimensions: SC-experiments of robots in apartments, SCP, hierarchy, stability of the order,
+# contacts.
 
 
 rule apartment_ready:
@@ -37,90 +7,114 @@ rule apartment_ready:
         DATA / "apartment_ready" / "{robot}.{scene}.{start}.json",
     log:
         LOGS / "apartment_ready" / "{robot}.{scene}.{start}.log",
-    priority: 1000  # before all else: what is missing should be told before the long work
+    wildcard_constraints:
+        robot="|".join(CONFIG.apartment.robots),
+        scene="|".join(CONFIG.apartment.scenes),
+        start="anywhere|within-reach",
+    priority: 1000  # first of all: what is missing should be reported before the long work
     resources:
         mem_mb=growing(2500),
         runtime=growing(10),
     params:
         settings=lambda w: digest(settings_of_start(CONFIG, w.robot, w.scene, w.start)),
     message:
-        "fetching the weights of VGG16, once, and trying whether {wildcards.robot} finds room to start in {wildcards.scene} ({wildcards.start})"
+        "fetching the VGG16 weights, once, and looking for start situations of {wildcards.robot} in {wildcards.scene} ({wildcards.start})"
     shell:
-        "sensory-commutativity apartment-ready --config {RESOLVED:q} --robot {wildcards.robot} --scene {wildcards.scene}"
+        "sensory-commutativity config check-start --config {RESOLVED:q} --robot {wildcards.robot} --scene {wildcards.scene}"
         " --start {wildcards.start} --out {output:q} 2> {log:q}"
 
 
-rule apartment_experiments_part:
+rule apartment_experiments_shard:
     input:
-        DATA / "apartment_ready" / "{robot}.{scene}.{start}.json",
+        ready=lambda w: DATA / "apartment_ready" / f"{w.run.rpartition('.')[0]}.json",
     output:
-        DATA
-        / "apartment_experiments"
-        / "{robot}.{scene}.{start}.{length}.{part}-of-{parts}.parquet",
+        DATA / "apartment_experiments" / "{run}.{part}.parquet",
     log:
-        LOGS
-        / "apartment_experiments_part"
-        / "{robot}.{scene}.{start}.{length}.{part}-of-{parts}.log",
+        LOGS / "apartment_experiments" / "{run}.{part}.log",
     benchmark:
-        (
-            BENCHMARKS
-            / "apartment_experiments_part"
-            / "{robot}.{scene}.{start}.{length}.{part}-of-{parts}.tsv"
-        )
-    threads: 1
+        BENCHMARKS / "apartment_experiments" / "{run}.{part}.tsv"
     resources:
         mem_mb=growing(2500),
         runtime=growing(20),
     params:
-        settings=apartment_run,
+        settings=shard_settings("apartment_experiments"),
     message:
-        "SC-experiments of {wildcards.robot} in {wildcards.scene} ({wildcards.start}), length {wildcards.length}, part {wildcards.part} of {wildcards.parts}"
+        "SC-experiments in apartments: {wildcards.run}, part {wildcards.part}"
     shell:
-        "sensory-commutativity apartment-experiments-part --config {RESOLVED:q} --robot {wildcards.robot} --scene {wildcards.scene}"
-        " --start {wildcards.start} --length {wildcards.length} --part {wildcards.part}/{wildcards.parts} --out {output:q} 2> {log:q}"
+        "sensory-commutativity table apartment_experiments --shard {wildcards.run}.{wildcards.part} --config {RESOLVED:q} --out {output:q} 2> {log:q}"
 
 
 rule apartment_experiments:
     input:
-        parts=apartment_parts,
+        shards("apartment_experiments"),
     output:
         TABLES / "apartment_experiments.parquet",
     log:
         LOGS / "apartment_experiments.log",
     localrule: True
+    params:
+        settings=settings("apartment_experiments"),
     message:
         "gathering the SC-experiments in apartments"
     shell:
-        "sensory-commutativity apartment-experiments --config {RESOLVED:q} --out {output:q} {input.parts:q} 2> {log:q}"
+        "sensory-commutativity table apartment_experiments --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
 
 
-APARTMENT_TABLES = {  # table -> the settings it depends on
-    "apartment_scp": digest(APARTMENT.thresholds),
-    "apartment_hierarchy": digest(
-        APARTMENT.thresholds,
-        robots_and_scenes(),
-    ),
-    "apartment_order": digest(
-        APARTMENT.thresholds, APARTMENT.fields_of_view, APARTMENT.reference
-    ),
-    "apartment_interaction": digest(APARTMENT.reference, APARTMENT.fields_of_view[0]),
-}
+rule apartment_scp:
+    input:
+        TABLES / "apartment_experiments.parquet",
+    output:
+        TABLES / "apartment_scp.parquet",
+    log:
+        LOGS / "apartment_scp.log",
+    params:
+        settings=settings("apartment_scp"),
+    message:
+        "estimating the SCP of every degree of freedom"
+    shell:
+        "sensory-commutativity table apartment_scp --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
 
-for table, settings in APARTMENT_TABLES.items():
 
-    rule:
-        name:
-            table
-        input:
-            TABLES / "apartment_experiments.parquet",
-        output:
-            TABLES / f"{table}.parquet",
-        log:
-            LOGS / f"{table}.log",
-        params:
-            command=table.replace("_", "-"),
-            settings=settings,
-        message:
-            "making the table {params.command}"
-        shell:
-            "sensory-commutativity {params.command} --config {RESOLVED:q} --apartment-experiments {input:q} --out {output:q} 2> {log:q}"
+rule apartment_hierarchy:
+    input:
+        TABLES / "apartment_experiments.parquet",
+    output:
+        TABLES / "apartment_hierarchy.parquet",
+    log:
+        LOGS / "apartment_hierarchy.log",
+    params:
+        settings=settings("apartment_hierarchy"),
+    message:
+        "comparing groups of degrees of freedom"
+    shell:
+        "sensory-commutativity table apartment_hierarchy --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule apartment_order:
+    input:
+        TABLES / "apartment_experiments.parquet",
+    output:
+        TABLES / "apartment_order.parquet",
+    log:
+        LOGS / "apartment_order.log",
+    params:
+        settings=settings("apartment_order"),
+    message:
+        "testing whether the order of the degrees of freedom is stable"
+    shell:
+        "sensory-commutativity table apartment_order --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule apartment_interaction:
+    input:
+        TABLES / "apartment_experiments.parquet",
+    output:
+        TABLES / "apartment_interaction.parquet",
+    log:
+        LOGS / "apartment_interaction.log",
+    params:
+        settings=settings("apartment_interaction"),
+    message:
+        "comparing the SCP with contacts"
+    shell:
+        "sensory-commutativity table apartment_interaction --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"

@@ -1,45 +1,30 @@
-# What all rules share: the checked configuration, the folders, and when a rule must run again.
-import hashlib
-import json
-import shlex
+# What all rules share: the checked configuration, the folders, the commands, and the settings that
+# each rule depends on.
 import sys
 from pathlib import Path
 
-from sensory_commutativity import __version__
-from sensory_commutativity.checks import check_run
-from sensory_commutativity.config import LEARNED, validate, write_resolved
 from sensory_commutativity.errors import ConfigError, UserError
-from sensory_commutativity.figures.catalogue import (
-    ARRAYS,
-    COMPARED,
-    FIGURES,
-    source_file,
-)
-from sensory_commutativity.folders import hold
-from sensory_commutativity.masks.from_config import (
-    experiments_of_job,
-    map_jobs,
-    pairs_of_job,
-    settings_of_data,
-    settings_of_judging,
-    settings_of_map,
-    settings_of_tests,
-    settings_of_training,
-    tuple_jobs,
-    tuple_runs,
-)
 from sensory_commutativity.runs.checksums import MANIFEST
-from sensory_commutativity.tables import TABLES as SCHEMAS
-from sensory_commutativity.worlds.apartment.from_config import (
-    contents,
-    settings_of_run,
-    settings_of_start,
+from sensory_commutativity.storage.folders import lock_folder
+from sensory_commutativity.storage.yamlfile import read_yaml
+from sensory_commutativity.studies.check import check_run
+from sensory_commutativity.studies.declarations import (
+    Animation,
+    Arrays,
+    Figure,
+    Model,
+    Table,
 )
-from sensory_commutativity.worlds.flatland.agent import Polyphemus
-from sensory_commutativity.yamlfile import read_yaml
+from sensory_commutativity.studies.loading import validate, write_resolved
+from sensory_commutativity.studies.registry import (
+    declarations,
+    find_product,
+    input_shards,
+    settings_digest,
+)
 
 try:
-    # Snakemake takes the last of two equal keys without a word
+    # Snakemake silently takes the last of two equal keys.
     for file in workflow.configfiles:
         read_yaml(file, ConfigError, "a config file, e.g. config/default.yaml")
     CONFIG = validate(config)
@@ -57,60 +42,67 @@ DRAWN = RESULTS / "figures"
 LOGS = RESULTS / "logs"
 BENCHMARKS = RESULTS / "benchmarks"
 CHECKSUMS = RESULTS / MANIFEST
-RESOLVED = (
-    RESULTS / "config.yaml"
-)  # no rule's input: what a rule depends on is in its params
-
-FLATLAND = CONFIG.flatland
-APARTMENT = CONFIG.apartment
-MASKS = CONFIG.masks
-NAVIGATION = CONFIG.navigation
-RUNS = {f"{run.world}.{run.agent}.{run.length}": run for run in FLATLAND.runs()}
-TUPLE_RUNS = tuple_runs(CONFIG)
-DOFS = [dof.name for dof in Polyphemus().dofs]
-
+RESOLVED = RESULTS / "config.yaml"  # no rule's input: rules depend on their params
 
 wildcard_constraints:
-    world="|".join(FLATLAND.worlds),
-    agent="|".join(FLATLAND.agents),
-    dof="|".join(DOFS),
-    length=r"\d+",
-    robot="|".join(APARTMENT.robots),
-    scene="|".join(APARTMENT.scenes),
-    start="anywhere|within-reach",
-    action_space="|".join(NAVIGATION.action_spaces),
-    seed=r"\d+",
-    split="training|validation",
-    run="|".join(TUPLE_RUNS),
-    model="raft|flownet|difference",
-    part=r"\d+",
-    parts=r"\d+",
+    run=r"[a-z0-9][a-z0-9.-]*?",
+    part=r"\d+-of-\d+",
 
 
-def digest(*settings):
-    """A rule's params: it runs again when these settings or the package's version change, and only then."""
-    text = json.dumps(
-        [__version__, CONFIG.seed, *settings],
-        default=lambda section: section.model_dump(mode="json"),
+def shards(name, run=None):
+    """Files of all shards of a table, of arrays or of a model, or of those of one run."""
+    product = find_product(name)
+    found = (
+        product.shards.of_run(CONFIG, run) if run else product.shards.all(CONFIG)
     )
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    return [RESULTS / product.file(shard) for shard in found]
+
+
+def inputs(name):
+    """Files that a shard, or the model or animation of a run, is computed from."""
+
+    def of_job(wildcards):
+        product = find_product(name)
+        part = f".{wildcards.part}" if "part" in wildcards.keys() else ""
+        shard = product.shards.find(CONFIG, f"{wildcards.run}{part}")
+        return [
+            RESULTS / source.file(one)
+            for source, chosen in input_shards(product, CONFIG, shard)
+            for one in chosen
+        ]
+
+    return of_job
+
+
+def settings(name):
+    """Hash of the settings that a product depends on: a rule runs again if it changes."""
+    product = find_product(name)
+    if product.shards is None or isinstance(product, (Table, Arrays)):
+        return settings_digest(product, CONFIG)
+    return lambda wildcards: settings_digest(product, CONFIG, wildcards.run)
+
+
+def shard_settings(name):
+    """The same for a shard, with the units that it holds."""
+
+    def of_job(wildcards):
+        product = find_product(name)
+        part = f".{wildcards.part}" if "part" in wildcards.keys() else ""
+        shard = product.shards.find(CONFIG, f"{wildcards.run}{part}")
+        digest = settings_digest(product, CONFIG, shard.run)
+        return f"{digest} {shard.start}-{shard.stop}"
+
+    return of_job
 
 
 def growing(amount):
-    """A resource, memory in MB or run time in minutes, that a job is given more of each time that it is tried again."""
+    """A resource, memory in MB or run time in minutes, of which every retry gets more."""
     return lambda wildcards, attempt: amount * attempt
-
-
-def folder_of(inputs, otherwise):
-    """The folder in which a rule's inputs of this name lie: on a machine without the shared disk, a copy's."""
-    return lambda wildcards, input: next(
-        (Path(file).parent for file in input.get(inputs, [])), otherwise
-    )
 
 
 onstart:
     try:
-        hold(RESULTS)
+        lock_folder(RESULTS)
     except UserError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(2)

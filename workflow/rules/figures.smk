@@ -1,62 +1,59 @@
-# What people look at: one figure per module of its name, the animation, and the paper's claims beside ours.
-def figures():
-    """Every figure as PNG and PDF, and the animations."""
-    drawn = [DRAWN / f"{name}.{kind}" for name in FIGURES for kind in ("png", "pdf")]
-    episodes = [
-        DRAWN / f"navigation_episode_{action_space}.gif"
-        for action_space in NAVIGATION.action_spaces
-    ]
-    return [*drawn, DRAWN / "flatland_experiment.gif", *episodes]
-
-
+# What people look at: figures, animations, and the paper's claims beside what was measured.
 CATEGORIES = {
     "flatland": "Flatland",
     "apartment": "Apartment",
-    "mask": "What moved",
+    "mask": "Detecting changes",
     "local": "Map",
     "navigation": "Navigation",
     "paper": "The paper's claims",
 }
 
 
-def drawn_from(figure):
-    """Settings that a figure depends on, beside its tables."""
-    if figure.startswith("apartment"):
-        return apartment_settings()
-    if figure.startswith(("mask", "local")):
-        return digest(MASKS, apartment_settings() if figure == "local_scp" else None)
-    return digest(FLATLAND, NAVIGATION if figure.startswith("navigation") else None)
+def figures():
+    """Every figure as PNG and PDF, and every animation."""
+    drawn = [
+        RESULTS / figure.file().with_suffix(suffix)
+        for figure in declarations(Figure).values()
+        for suffix in (".png", ".pdf")
+    ]
+    for animation in declarations(Animation).values():
+        runs = animation.shards.all(CONFIG) if animation.shards else [None]
+        drawn += [RESULTS / animation.file(run) for run in runs]
+    return drawn
 
 
-for figure, needed in FIGURES.items():
+for name, figure in declarations(Figure).items():
 
     rule:
         name:
-            f"figure_{figure}"
+            f"figure_{name}"
         input:
-            tables=[TABLES / source_file(table) for table in needed],
+            [
+                RESULTS / source.file(one)
+                for source, chosen in input_shards(figure, CONFIG, None)
+                for one in chosen
+            ],
         output:
             png=report(
-                DRAWN / f"{figure}.png",
-                category=CATEGORIES[figure.split("_")[0]],
-                caption=f"../report/{figure}.rst",
-                labels={"figure": figure},
+                DRAWN / f"{name}.png",
+                category=CATEGORIES[name.split("_")[0]],
+                caption=f"../report/{name}.rst",
+                labels={"figure": name},
             ),
-            pdf=DRAWN / f"{figure}.pdf",
+            pdf=DRAWN / f"{name}.pdf",
         log:
-            LOGS / "figure" / f"{figure}.log",
+            LOGS / "figure" / f"{name}.log",
         localrule: True
         params:
-            figure=figure,
-            tables=folder_of("tables", TABLES),
-            settings=drawn_from(figure),
+            figure=name,
+            settings=settings(name),
         message:
             "drawing {params.figure}"
         shell:
-            "sensory-commutativity figure {params.figure} --config {RESOLVED:q} --tables {params.tables:q} --out {output.png:q} 2> {log:q}"
+            "sensory-commutativity figure {params.figure} --config {RESOLVED:q} --out {output.png:q} {input:q} 2> {log:q}"
 
 
-rule animation:
+rule flatland_experiment:
     output:
         report(
             DRAWN / "flatland_experiment.gif",
@@ -65,54 +62,52 @@ rule animation:
             labels={"figure": "flatland_experiment"},
         ),
     log:
-        LOGS / "animation.log",
+        LOGS / "flatland_experiment.log",
     localrule: True
     params:
-        settings=reference(FLATLAND.rest_steps),
+        settings=settings("flatland_experiment"),
     message:
         "animating one SC-experiment"
     shell:
-        "sensory-commutativity animation --config {RESOLVED:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity animation flatland_experiment --config {RESOLVED:q} --out {output:q} 2> {log:q}"
 
 
 rule navigation_episode:
     input:
-        navigation_scores=TABLES / "navigation_scores.parquet",
-        models=lambda w: [
-            MODELS / "navigation" / f"{w.action_space}.{seed}.policy"
-            for seed in NAVIGATION.seeds
-        ],
+        inputs("navigation_episode"),
     output:
         report(
-            DRAWN / "navigation_episode_{action_space}.gif",
+            DRAWN / "navigation_episode_{run}.gif",
             category="Navigation",
             caption="../report/navigation_episode.rst",
-            labels={"figure": "navigation_episode", "action space": "{action_space}"},
+            labels={"figure": "navigation_episode", "action space": "{run}"},
         ),
     log:
-        LOGS / "navigation_episode" / "{action_space}.log",
+        LOGS / "navigation_episode" / "{run}.log",
     params:
-        models=folder_of("models", MODELS / "navigation"),
-        settings=training(),
+        settings=settings("navigation_episode"),
     message:
-        "animating an episode with the action space {wildcards.action_space}"
+        "animating an episode with the action space {wildcards.run}"
     shell:
-        "sensory-commutativity navigation-episode --config {RESOLVED:q} --action-space {wildcards.action_space}"
-        " --navigation-scores {input.navigation_scores:q} --models {params.models:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity animation navigation_episode --run {wildcards.run} --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule paper_comparison:
     input:
-        tables=[TABLES / f"{name}.parquet" for name in COMPARED],
+        [
+            RESULTS / source.file()
+            for source, _ in input_shards(
+                find_product("paper_comparison"), CONFIG, None
+            )
+        ],
     output:
         TABLES / "paper_comparison.parquet",
     log:
         LOGS / "paper_comparison.log",
     localrule: True
     params:
-        tables=folder_of("tables", TABLES),
-        settings=digest(FLATLAND, NAVIGATION, MASKS, apartment_settings()),
+        settings=settings("paper_comparison"),
     message:
-        "setting the paper's claims beside ours"
+        "comparing the paper's claims with what was measured"
     shell:
-        "sensory-commutativity paper-comparison --config {RESOLVED:q} --tables {params.tables:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity table paper_comparison --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"

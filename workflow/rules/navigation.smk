@@ -1,151 +1,198 @@
-# Learning to navigate: action spaces from the measured SCPs, one job per training run, and what the runs show.
-
-
-def task(*more):
-    """Settings of the task and of the learner, and the names that are part of the seeds."""
-    return digest(
-        FLATLAND.worlds[NAVIGATION.world],
-        FLATLAND.agents[NAVIGATION.agent],
-        NAVIGATION.zones,
-        NAVIGATION.max_episode_steps,
-        NAVIGATION.scp_world,
-        NAVIGATION.agent,
-        FLATLAND.sequence_length,
-        *more,
-    )
-
-
-def training():
-    """Settings of every training run."""
-    return task(
-        NAVIGATION.steps,
-        NAVIGATION.checkpoints,
-        NAVIGATION.evaluation_episodes,
-        NAVIGATION.learner,
-    )
+# Learning to navigate: action spaces from the measured SCPs, one job per training run, and their
+# comparison.
+NAVIGATION = CONFIG.navigation
 
 
 rule navigation_scp:
     input:
-        # these rows of flatland_scp from their own experiments: no setting of another agent or world trains all runs anew
-        parts=experiment_parts(
-            f"{NAVIGATION.scp_world}.{NAVIGATION.agent}.{FLATLAND.sequence_length}"
+        # From the experiments of that agent alone: no setting of another agent or world trains all
+        # runs again.
+        shards(
+            "flatland_experiments",
+            f"{NAVIGATION.scp_world}.{NAVIGATION.agent}.{CONFIG.flatland.sequence_length}",
         ),
     output:
         TABLES / "navigation_scp.parquet",
     log:
         LOGS / "navigation_scp.log",
     localrule: True
+    params:
+        settings=settings("navigation_scp"),
     message:
         "estimating the SCP that the action spaces are made from"
     shell:
-        "sensory-commutativity navigation-scp --config {RESOLVED:q} --out {output:q} {input.parts:q} 2> {log:q}"
+        "sensory-commutativity table navigation_scp --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_action_spaces:
     input:
-        navigation_scp=TABLES / "navigation_scp.parquet",
+        TABLES / "navigation_scp.parquet",
     output:
         TABLES / "navigation_action_spaces.parquet",
     log:
         LOGS / "navigation_action_spaces.log",
     localrule: True
     params:
-        settings=digest(
-            NAVIGATION.scp_world,
-            NAVIGATION.agent,
-            NAVIGATION.action_spaces,
-            NAVIGATION.seeds,
-            FLATLAND.sequence_length,
-        ),
+        settings=settings("navigation_action_spaces"),
     message:
         "making action spaces from the measured SCPs"
     shell:
-        "sensory-commutativity navigation-action-spaces --config {RESOLVED:q} --navigation-scp {input.navigation_scp:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity table navigation_action_spaces --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
 
 
-rule navigation_run:
+rule navigation_policy:
     input:
-        navigation_scp=TABLES / "navigation_scp.parquet",  # not the table of action spaces: a further seed trains that seed only
+        TABLES / "navigation_scp.parquet",  # not the action spaces: a new seed trains that seed only
     output:
-        curve=DATA / "navigation_runs" / "{action_space}.{seed}.parquet",
-        model=MODELS / "navigation" / "{action_space}.{seed}.policy",
+        model=MODELS / "navigation" / "{run}.policy",
+        curve=DATA / "navigation_curves" / "{run}.parquet",
     log:
-        LOGS / "navigation_run" / "{action_space}.{seed}.log",
+        LOGS / "navigation_policy" / "{run}.log",
     benchmark:
-        BENCHMARKS / "navigation_run" / "{action_space}.{seed}.tsv"
-    threads: 1
+        BENCHMARKS / "navigation_policy" / "{run}.tsv"
     resources:
         mem_mb=growing(2000),
         runtime=growing(40),
     params:
-        settings=training(),
+        settings=settings("navigation_policy"),
     message:
-        "training with the action space {wildcards.action_space}, seed {wildcards.seed}"
+        "training with the action space and seed {wildcards.run}"
     shell:
-        "sensory-commutativity navigation-run --config {RESOLVED:q} --action-space {wildcards.action_space} --seed {wildcards.seed}"
-        " --navigation-scp {input.navigation_scp:q} --model {output.model:q} --out {output.curve:q} 2> {log:q}"
+        "sensory-commutativity train navigation_policy --run {wildcards.run} --config {RESOLVED:q} --out {output.model:q}"
+        " --curve {output.curve:q} {input:q} 2> {log:q}"
 
 
 rule navigation_curves:
     input:
-        parts=[
-            DATA / "navigation_runs" / f"{action_space}.{seed}.parquet"
-            for action_space, seed in NAVIGATION.runs
-        ],
+        shards("navigation_curves"),
     output:
         TABLES / "navigation_curves.parquet",
     log:
         LOGS / "navigation_curves.log",
     localrule: True
+    params:
+        settings=settings("navigation_curves"),
     message:
         "gathering the learning curves of all runs"
     shell:
-        "sensory-commutativity navigation-curves --config {RESOLVED:q} --out {output:q} {input.parts:q} 2> {log:q}"
+        "sensory-commutativity table navigation_curves --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
 
 
-NAVIGATION_TABLES = (
-    {  # table -> the table it is made from, and the settings it depends on
-        "navigation_scores": (
-            "navigation_curves",
-            digest(
-                NAVIGATION.steps,
-                NAVIGATION.threshold_return,
-                NAVIGATION.solved_success_rate,
-            ),
-        ),
-        "navigation_summary": ("navigation_scores", digest()),
-        "navigation_comparisons": ("navigation_scores", digest(NAVIGATION.alpha)),
-        "navigation_checkpoints": ("navigation_curves", digest()),
-        "navigation_survival": ("navigation_scores", digest()),
-        "navigation_profiles": ("navigation_scores", digest(NAVIGATION.zones)),
-        "navigation_power": (
-            "navigation_scores",
-            digest(NAVIGATION.seeds, NAVIGATION.alpha, NAVIGATION.primary_measure),
-        ),
-        "navigation_calibration": (
-            "navigation_scores",
-            digest(NAVIGATION.calibration_splits, NAVIGATION.alpha),
-        ),
-    }
-)
+rule navigation_scores:
+    input:
+        TABLES / "navigation_curves.parquet",
+    output:
+        TABLES / "navigation_scores.parquet",
+    log:
+        LOGS / "navigation_scores.log",
+    params:
+        settings=settings("navigation_scores"),
+    message:
+        "scoring every training run"
+    shell:
+        "sensory-commutativity table navigation_scores --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
 
-for table, (source, settings) in NAVIGATION_TABLES.items():
 
-    rule:
-        name:
-            table
-        input:
-            TABLES / f"{source}.parquet",
-        output:
-            TABLES / f"{table}.parquet",
-        log:
-            LOGS / f"{table}.log",
-        params:
-            command=table.replace("_", "-"),
-            option=source.replace("_", "-"),
-            settings=settings,
-        message:
-            "making the table {params.command}"
-        shell:
-            "sensory-commutativity {params.command} --config {RESOLVED:q} --{params.option} {input:q} --out {output:q} 2> {log:q}"
+rule navigation_summary:
+    input:
+        TABLES / "navigation_scores.parquet",
+    output:
+        TABLES / "navigation_summary.parquet",
+    log:
+        LOGS / "navigation_summary.log",
+    params:
+        settings=settings("navigation_summary"),
+    message:
+        "summarizing every score"
+    shell:
+        "sensory-commutativity table navigation_summary --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule navigation_comparisons:
+    input:
+        TABLES / "navigation_scores.parquet",
+    output:
+        TABLES / "navigation_comparisons.parquet",
+    log:
+        LOGS / "navigation_comparisons.log",
+    params:
+        settings=settings("navigation_comparisons"),
+    message:
+        "comparing the action spaces in pairs"
+    shell:
+        "sensory-commutativity table navigation_comparisons --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule navigation_checkpoints:
+    input:
+        TABLES / "navigation_curves.parquet",
+    output:
+        TABLES / "navigation_checkpoints.parquet",
+    log:
+        LOGS / "navigation_checkpoints.log",
+    params:
+        settings=settings("navigation_checkpoints"),
+    message:
+        "comparing the action spaces at every checkpoint"
+    shell:
+        "sensory-commutativity table navigation_checkpoints --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule navigation_survival:
+    input:
+        TABLES / "navigation_scores.parquet",
+    output:
+        TABLES / "navigation_survival.parquet",
+    log:
+        LOGS / "navigation_survival.log",
+    params:
+        settings=settings("navigation_survival"),
+    message:
+        "estimating Kaplan-Meier curves of the steps to the threshold"
+    shell:
+        "sensory-commutativity table navigation_survival --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule navigation_profiles:
+    input:
+        TABLES / "navigation_scores.parquet",
+    output:
+        TABLES / "navigation_profiles.parquet",
+    log:
+        LOGS / "navigation_profiles.log",
+    params:
+        settings=settings("navigation_profiles"),
+    message:
+        "computing performance profiles"
+    shell:
+        "sensory-commutativity table navigation_profiles --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule navigation_power:
+    input:
+        TABLES / "navigation_scores.parquet",
+    output:
+        TABLES / "navigation_power.parquet",
+    log:
+        LOGS / "navigation_power.log",
+    params:
+        settings=settings("navigation_power"),
+    message:
+        "computing the power of the tests"
+    shell:
+        "sensory-commutativity table navigation_power --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule navigation_calibration:
+    input:
+        TABLES / "navigation_scores.parquet",
+    output:
+        TABLES / "navigation_calibration.parquet",
+    log:
+        LOGS / "navigation_calibration.log",
+    params:
+        settings=settings("navigation_calibration"),
+    message:
+        "computing how often the tests err (A/A)"
+    shell:
+        "sensory-commutativity table navigation_calibration --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"

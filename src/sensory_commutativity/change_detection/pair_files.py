@@ -1,78 +1,102 @@
-"""Files of image pairs with their masks and outcomes."""
+"""Files of picture pairs with their masks and outcomes."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..storage.arrays import REMEDY, StoreError, pack, read_arrays, unpack, write_arrays
+from ..storage.arrays import REMEDY, ArrayFileError, pack_masks, read_arrays, unpack_masks
 from .outcome import OUTCOMES
 
 if TYPE_CHECKING:
     from .simulated.pairs import Pair  # imports PyBullet, which training does not need
 
+CONTENT = "mask_pairs"
+"""Content of the HDF5 files, as :func:`..storage.arrays.write_arrays` records it."""
+
 
 class Pairs(NamedTuple):
-    """Many pairs.
+    """A data set of n pairs.
 
     Attributes
     ----------
     pictures : uint8 (n, 2, h, w, 3)
+        RGB.
     masks : bool (n, 2, h, w)
+        Pixels that show something that moved.
     outcome : int8 (n,)
         Indices into OUTCOMES.
     kind : tuple of str
-        How each came about.
+        How each pair was generated.
+    scene : int32 (n,)
+        Number of the cluttered scene that each pair shows.
     """
 
     pictures: np.ndarray
     masks: np.ndarray
     outcome: np.ndarray
     kind: tuple[str, ...]
+    scene: np.ndarray
 
 
-def write_pairs(path: Path, pairs: Sequence[Pair], about: Mapping[str, str]) -> None:
-    """Write pairs, all of one size, and what they come from."""
+def pairs_to_arrays(
+    pairs: Sequence[Pair], scenes: Sequence[int]
+) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """Convert pairs of one picture size to the arrays and texts of a file.
+
+    Parameters
+    ----------
+    pairs : sequence of Pair
+    scenes : sequence of int
+        Number of the cluttered scene of each pair.
+
+    Returns
+    -------
+    arrays, texts : dict
+        What :func:`..storage.arrays.write_arrays` takes, for files that :func:`read_pairs` reads.
+    """
     kinds = sorted({pair.kind for pair in pairs})
     arrays = dict(
         pictures=np.stack([pair.pictures for pair in pairs]),
-        masks=pack(np.stack([pair.masks for pair in pairs])),
+        masks=pack_masks(np.stack([pair.masks for pair in pairs])),
         outcome=np.array([OUTCOMES.index(pair.outcome) for pair in pairs], np.int8),
         kind=np.array([kinds.index(pair.kind) for pair in pairs], np.int8),
+        scene=np.array(scenes, np.int32),
     )
-    write_arrays(
-        path,
-        "pairs",
-        arrays,
-        {"outcomes": json.dumps(OUTCOMES), "kinds": json.dumps(kinds), **about},
-    )
+    return arrays, {"outcomes": json.dumps(OUTCOMES), "kinds": json.dumps(kinds)}
 
 
 def read_pairs(*paths: Path) -> Pairs:
-    """Read what :func:`write_pairs` wrote, all files as one. Raises StoreError."""
-    parts = []
-    for path in paths:
-        arrays, about = read_arrays(path, "pairs")
-        kinds = json.loads(about["kinds"])
-        masks = unpack(arrays["masks"], arrays["pictures"].shape[3])
-        parts.append(
-            Pairs(
-                arrays["pictures"],
-                masks,
-                arrays["outcome"],
-                tuple(kinds[k] for k in arrays["kind"]),
-            )
-        )
-    shapes = {part.pictures.shape[1:] for part in parts}
-    if len(shapes) > 1:
-        raise StoreError(
-            f"{paths[0]} and others: pictures of several sizes, {sorted(shapes)}; {REMEDY}"
+    """Read files of pairs as one data set.
+
+    Raises ArrayFileError if a file is missing or damaged, or if the files differ in picture size.
+    """
+    parts = [_read_file(path) for path in paths]
+    sizes = {part.pictures.shape[1:] for part in parts}
+    if len(sizes) > 1:
+        raise ArrayFileError(
+            f"{paths[0]} and others: pictures of several sizes, {sorted(sizes)}; {REMEDY}"
         )
     return Pairs(
-        *(np.concatenate([part[k] for part in parts]) for k in range(3)),
-        tuple(kind for part in parts for kind in part.kind),
+        pictures=np.concatenate([part.pictures for part in parts]),
+        masks=np.concatenate([part.masks for part in parts]),
+        outcome=np.concatenate([part.outcome for part in parts]),
+        kind=tuple(kind for part in parts for kind in part.kind),
+        scene=np.concatenate([part.scene for part in parts]),
+    )
+
+
+def _read_file(path: Path) -> Pairs:
+    arrays, texts = read_arrays(path, CONTENT)
+    kinds = json.loads(texts["kinds"])
+    return Pairs(
+        pictures=arrays["pictures"],
+        masks=unpack_masks(arrays["masks"], arrays["pictures"].shape[3]),
+        outcome=arrays["outcome"],
+        kind=tuple(kinds[k] for k in arrays["kind"]),
+        scene=arrays["scene"],
     )

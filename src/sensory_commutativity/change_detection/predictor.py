@@ -1,10 +1,15 @@
-"""Mask predictors: a model, trained or not, its judge of places, the rule that makes outcomes of its probabilities, and the file that holds all."""
+"""Mask predictors: a model, its view classifier and its decision thresholds, in one file.
+
+A pair is predicted in up to three passes: the model alone; test-time augmentation (:mod:`.tta`)
+of the pairs that need it; and for those the view classifier, which settles in which of the two
+views a changed region shows something that moved (:mod:`.models.view_classifier`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import torch
@@ -12,201 +17,252 @@ from torch import Tensor, nn
 
 from ..errors import UserError
 from ..storage.checkpoints import load_state, save_state
-from .decision import MASK, DecisionThresholds, outcomes, remove_small_components
+from .decision import (
+    MASK_THRESHOLD,
+    DecisionThresholds,
+    classify_outcomes,
+    remove_small_components,
+)
 from .models.flownet import MaskFlowNet
-from .models.image_difference import difference
+from .models.image_difference import image_difference
 from .models.raft import MaskRaft
 from .models.view_classifier import ViewClassifier, refine_masks
-from .outcome import OUTCOMES, SEEN, Outcome
-from .tta import LEAST_SIDE, SIDE_STEP, farther, predict_half_resolution, predict_tta
+from .outcome import MIN_VISIBLE_PIXELS, OUTCOMES, Outcome
+from .tta import MIN_SIDE, SIDE_MULTIPLE, half_resolution, predict_half_resolution, predict_tta
 
 MODELS: dict[str, Callable[..., nn.Module]] = {"raft": MaskRaft, "flownet": MaskFlowNet}
+"""Models that are trained, by name."""
 UNTRAINED = "difference"
+"""Name of the baseline without weights, :mod:`.models.image_difference`."""
 PREDICTORS = (*MODELS, UNTRAINED)
-"""Everything that two pictures can be given to."""
-SURE = 0.95
-"""Mean probability up to which pictures that seem different get a second look; chosen on development tuples: 96 % of different ones have more."""
-_FORMAT = 4
+CONFIDENT_DIFFERENT = 0.95
+"""Mean probability above which "different" needs no second prediction; chosen on development
+tuples, where 96 % of the different pairs lie above it."""
+FORMAT = 5
+"""Version of the predictor files that are written; version 4 can still be read."""
+_REMEDY = "train it: run the workflow"
+
+Network = TypeVar("Network", bound=nn.Module)
 
 
 class PredictorError(UserError):
-    """A file holds no mask predictor, or pictures cannot be given to it."""
+    """A file holds no mask predictor, or a predictor cannot take the pictures."""
 
 
 class Prediction(NamedTuple):
-    """What a predictor makes of a pair of pictures: the outcome, and the probabilities of change, float32 (2, h, w)."""
+    """The outcome of one pair, and its change probabilities, float32 (2, h, w)."""
 
     outcome: Outcome
     probabilities: np.ndarray
 
 
 class MaskPredictor:
-    """A model, its rule and its judge.
+    """Predicts change probabilities and outcomes of pairs of pictures.
 
     Parameters
     ----------
     name : str
         One of PREDICTORS.
     model : torch.nn.Module, optional
-        None for the image difference.
-    rule : DecisionThresholds
+        Maps two batches of pictures to a list of logits, the last of which counts. None for the
+        image difference.
+    thresholds : DecisionThresholds, optional
     device : str
         ``cpu`` or ``cuda``.
-    judge : ViewClassifier, optional
-        None leaves doubts about which view a thing is in as they are.
+    view_classifier : ViewClassifier, optional
+        Without one, masks are left as the model predicts them.
     """
 
     def __init__(
         self,
         name: str,
         model: nn.Module | None,
-        rule: DecisionThresholds | None = None,
+        thresholds: DecisionThresholds | None = None,
         device: str = "cpu",
-        view_classifier: ViewClassifier | None = None,
+        view_classifier: nn.Module | None = None,
     ):
-        self.name, self.rule, self.device = name, rule or DecisionThresholds(), device
+        self.name = name
         self.model = model.to(device).eval() if model is not None else None
-        self.view_classifier = judge.to(device).eval() if judge is not None else None
-
-    def probabilities(
-        self, pictures: np.ndarray, batch_size: int = 16, again: bool = True
-    ) -> np.ndarray:
-        """Probability of change at every pixel: float32 (n, 2, h, w), of pictures uint8 (n, 2, h, w, 3). Raises PredictorError for other arrays.
-
-        Specks too small for anything that counts as in sight are taken away. If `again`, pairs in which something seems to have moved, or which only
-        just seem different, get a second look (:mod:`.second_look`), and the judge says which view a thing is in (:mod:`.judge`).
-        """
-        pictures = checked(pictures)
-        if self.model is None:
-            return remove_small_components(difference(pictures))
-        found = np.empty(pictures.shape[:4], np.float32)
-        with torch.inference_mode():
-            for start in range(0, len(pictures), batch_size):
-                part = slice(start, start + batch_size)
-                x = as_tensor(pictures[part], self.device)
-                found[part] = remove_small_components(_probabilities(self._see(x)))
-                if again:
-                    self._apply_tta(pictures[part], x, found[part])
-        return found
-
-    def _apply_tta(self, pictures: np.ndarray, x: Tensor, found: np.ndarray) -> None:
-        """Mend what was found at first sight, float (n, 2, h, w), where it is in doubt. `pictures` and `x` are the same."""
-        changed = found > MASK
-        mean = found.mean((1, 2, 3))
-        moved = np.nonzero(changed.any((1, 2, 3)) & (mean <= MASK))[0]
-        if len(moved):
-            # that something moved is known by now, so of the other view less needs to be in sight
-            found[moved] = remove_small_components(
-                _probabilities(predict_tta(self._see, x[moved], changed[moved].any(1))), SEEN / 2
-            )
-        unsure = np.nonzero((mean > MASK) & (mean <= SURE))[0]
-        if len(unsure) and farther(x.shape[-2:]):
-            found[unsure] = remove_small_components(
-                _probabilities(predict_half_resolution(self._see, x[unsure]))
-            )
-        if self.view_classifier is not None:
-            doubtful = np.union1d(moved, unsure)
-            found[doubtful] = refine_masks(self.view_classifier, found[doubtful], pictures[doubtful])
-
-    def _see(self, pictures: Tensor) -> Tensor:
-        """Logits, float (n, 2, h, w), of pictures float (n, 2, 3, h, w)."""
-        return self.model(pictures[:, 0], pictures[:, 1])[-1].float()
+        self.thresholds = thresholds or DecisionThresholds()
+        self.device = device
+        self.view_classifier = (
+            view_classifier.to(device).eval() if view_classifier is not None else None
+        )
 
     def predict(self, first: np.ndarray, second: np.ndarray) -> Prediction:
-        """What became of one pair of pictures, uint8 (h, w, 3) each, as :meth:`probabilities` sees them. Raises PredictorError for other arrays."""
-        of_one_size(first, second)
-        probabilities = self.probabilities(np.stack([first, second])[None])
-        return Prediction(OUTCOMES[int(outcomes(probabilities, self.rule)[0])], probabilities[0])
+        """Predict one pair of pictures, RGB, uint8 (h, w, 3). Raises PredictorError."""
+        check_same_size(first, second)
+        probabilities = self.predict_proba(np.stack([first, second])[None])
+        outcome = OUTCOMES[int(classify_outcomes(probabilities, self.thresholds)[0])]
+        return Prediction(outcome, probabilities[0])
 
-    def save(self, path: Path, about: dict[str, str]) -> None:
-        """Write the predictor, its weights in half precision, and what it comes from."""
-        networks = {
-            key: _packed(network)
-            for key, network in (("model", self.model), ("judge", self.view_classifier))
-            if network is not None
-        }
-        save_state(
-            path,
-            dict(
-                format=_FORMAT, name=self.name, rule=list(self.rule), about=dict(about), **networks
-            ),
+    def predict_proba(
+        self, pictures: np.ndarray, batch_size: int = 16, tta: bool = True
+    ) -> np.ndarray:
+        """Predict the probability that a pixel shows something that moved.
+
+        Components too small for a visible object are set to 0.
+
+        Parameters
+        ----------
+        pictures : uint8 (n, 2, h, w, 3)
+            RGB; height and width are multiples of SIDE_MULTIPLE, at least MIN_SIDE.
+        batch_size : int
+        tta : bool
+            Whether to refine doubtful pairs by test-time augmentation and the view classifier.
+
+        Returns
+        -------
+        float32 (n, 2, h, w)
+
+        Raises
+        ------
+        PredictorError
+            If `pictures` has another shape or dtype.
+        """
+        pictures = check_pictures(pictures)
+        if self.model is None:
+            return remove_small_components(image_difference(pictures))
+        probabilities = np.empty(pictures.shape[:4], np.float32)
+        with torch.inference_mode():
+            for start in range(0, len(pictures), batch_size):
+                batch = slice(start, start + batch_size)
+                x = to_tensor(pictures[batch], self.device)
+                probabilities[batch] = remove_small_components(_sigmoid(self._logits(x)))
+                if tta:
+                    self._refine(pictures[batch], x, probabilities[batch])
+        return probabilities
+
+    def _refine(self, pictures: np.ndarray, x: Tensor, probabilities: np.ndarray) -> None:
+        """Predict doubtful pairs again, and change `probabilities`, float (n, 2, h, w), in place.
+
+        `x` is `pictures` as a tensor.
+        """
+        changed = probabilities > MASK_THRESHOLD
+        mean = probabilities.mean((1, 2, 3))
+        moved = np.nonzero(changed.any((1, 2, 3)) & (mean <= MASK_THRESHOLD))[0]
+        if len(moved):
+            logits = predict_tta(self._logits, x[moved], np.any(changed[moved], axis=1))
+            # that something moved is already known, so half the area is enough in the other view
+            probabilities[moved] = remove_small_components(_sigmoid(logits), MIN_VISIBLE_PIXELS / 2)
+        unsure = np.nonzero((mean > MASK_THRESHOLD) & (mean <= CONFIDENT_DIFFERENT))[0]
+        if len(unsure) and half_resolution(x.shape[-2:]):
+            logits = predict_half_resolution(self._logits, x[unsure])
+            probabilities[unsure] = remove_small_components(_sigmoid(logits))
+        if self.view_classifier is not None:
+            doubtful = np.union1d(moved, unsure)
+            probabilities[doubtful] = refine_masks(
+                self.view_classifier, probabilities[doubtful], pictures[doubtful]
+            )
+
+    def _logits(self, x: Tensor) -> Tensor:
+        """Logits, float (n, 2, h, w), of pictures, float (n, 2, 3, h, w)."""
+        assert self.model is not None  # the image difference has no logits
+        return self.model(x[:, 0], x[:, 1])[-1].float()
+
+    def save(self, path: Path, provenance: dict[str, str]) -> None:
+        """Write the predictor, with weights in half precision, and its provenance."""
+        networks = {"model": self.model, "view_classifier": self.view_classifier}
+        state = dict(
+            format=FORMAT,
+            name=self.name,
+            thresholds=list(self.thresholds),
+            about=dict(provenance),
+            **{key: _pack(network) for key, network in networks.items() if network is not None},
         )
+        save_state(path, state)
 
 
 def load_predictor(path: Path, expected: str | None = None, device: str = "cpu") -> MaskPredictor:
-    """Read what :meth:`MaskPredictor.save` wrote; `expected` refuses another model. Raises PredictorError or CheckpointError with the remedy."""
-    state: dict[str, Any] = load_state(path, "train it: run the workflow")
-    if (
-        not isinstance(state, dict)
-        or state.get("format") != _FORMAT
-        or state.get("name") not in PREDICTORS
-    ):
+    """Read a file of :meth:`MaskPredictor.save`.
+
+    Parameters
+    ----------
+    path : Path
+    expected : str, optional
+        The name that the predictor must have.
+    device : str
+
+    Raises
+    ------
+    CheckpointError
+        If the file is missing or damaged.
+    PredictorError
+        If it holds something else, another model than expected, or weights that do not fit.
+    """
+    state: dict[str, Any] = load_state(path, _REMEDY)
+    version = state.get("format") if isinstance(state, dict) else None
+    if version not in (4, FORMAT) or state.get("name") not in PREDICTORS:
+        raise PredictorError(f"{path}: no mask predictor, or one of another version; {_REMEDY}")
+    name = state["name"]
+    if expected is not None and name != expected:
         raise PredictorError(
-            f"{path}: no mask predictor, or one of another version; train it: run the workflow"
-        )
-    if expected is not None and state["name"] != expected:
-        raise PredictorError(
-            f"{path}: holds the model {state['name']!r}, not {expected!r}; give the file of that model"
+            f"{path}: holds the model {name!r}, not {expected!r}; give the file of that model"
         )
     try:
-        rule = DecisionThresholds(*state["rule"])
-        if state["name"] == UNTRAINED:
-            return MaskPredictor(UNTRAINED, None, rule)
-        model = _unpacked(MODELS[state["name"]], state["model"])
-        judge = _unpacked(ViewClassifier, state["judge"]) if "judge" in state else None
+        if version == 4:
+            state = _upgrade_format_4(state)
+        thresholds = DecisionThresholds(*state["thresholds"])
+        model = _unpack(MODELS[name], state["model"]) if name != UNTRAINED else None
+        view_classifier = (
+            _unpack(ViewClassifier, state["view_classifier"])
+            if "view_classifier" in state
+            else None
+        )
     except (AttributeError, KeyError, RuntimeError, TypeError, ValueError) as error:
-        first = (str(error).splitlines() or ["?"])[0][:100]
+        reason = (str(error).splitlines() or ["?"])[0][:100]
         raise PredictorError(
-            f"{path}: weights of another architecture than this version's {state['name']!r} ({first}); train it anew"
+            f"{path}: its content does not fit this version's {name!r} ({reason}); {_REMEDY}"
         ) from None
-    return MaskPredictor(state["name"], model, rule, device, judge)
+    return MaskPredictor(name, model, thresholds, device, view_classifier)
 
 
-def of_one_size(first: np.ndarray, second: np.ndarray) -> None:
-    """Raises PredictorError if two pictures, uint8 (h, w, 3), have different sizes."""
+def check_same_size(first: np.ndarray, second: np.ndarray) -> None:
+    """Raise PredictorError if two pictures, (h, w, 3), differ in size."""
     if first.shape != second.shape:
+        sizes = [" x ".join(map(str, picture.shape[:2])) for picture in (first, second)]
         raise PredictorError(
-            f"the pictures have different sizes, {_size(first)} and {_size(second)}; give two pictures of the same camera"
+            f"the pictures have different sizes, {sizes[0]} and {sizes[1]}; "
+            "give two pictures of the same camera"
         )
 
 
-def checked(pictures: np.ndarray) -> np.ndarray:
-    """The pictures, if a predictor can take them. Raises PredictorError with what is wrong."""
+def check_pictures(pictures: np.ndarray) -> np.ndarray:
+    """Return `pictures` as an array, or raise PredictorError if a predictor cannot take them."""
     pictures = np.asarray(pictures)
-    if (
-        pictures.dtype != np.uint8
-        or pictures.ndim != 5
-        or pictures.shape[1] != 2
-        or pictures.shape[4] != 3
-    ):
+    shape = pictures.shape
+    if pictures.dtype != np.uint8 or len(shape) != 5 or shape[1] != 2 or shape[4] != 3:
         raise PredictorError(
-            f"pairs of pictures must be uint8 of the shape (n, 2, height, width, 3); got {pictures.dtype} {pictures.shape}"
+            "pairs of pictures must be uint8 of the shape (n, 2, height, width, 3); "
+            f"got {pictures.dtype} {shape}"
         )
-    height, width = pictures.shape[2:4]
-    if min(height, width) < LEAST_SIDE or height % SIDE_STEP or width % SIDE_STEP:
+    height, width = shape[2:4]
+    if min(height, width) < MIN_SIDE or height % SIDE_MULTIPLE or width % SIDE_MULTIPLE:
         raise PredictorError(
-            f"the pictures have {height} x {width} pixels; sides must be multiples of {SIDE_STEP} from {LEAST_SIDE} on: scale or crop them, "
-            "best to the 128 x 128 that the models were trained with"
+            f"the pictures have {height} x {width} pixels; sides must be multiples of "
+            f"{SIDE_MULTIPLE} and at least {MIN_SIDE}: scale or crop them, best to the 128 x 128 "
+            "of the training pictures"
         )
     return pictures
 
 
-def as_tensor(pictures: np.ndarray, device: str) -> Tensor:
-    """Pairs uint8 (n, 2, h, w, 3) as models take them: float32 (n, 2, 3, h, w) in [-1, 1]."""
-    return (
-        torch.from_numpy(np.ascontiguousarray(pictures)).to(device).permute(0, 1, 4, 2, 3).float()
-        / 127.5
-        - 1
-    )
+def to_tensor(pictures: np.ndarray, device: str) -> Tensor:
+    """Convert pairs uint8 (n, 2, h, w, 3) to model input: float32 (n, 2, 3, h, w) in [-1, 1]."""
+    x = torch.from_numpy(np.ascontiguousarray(pictures)).to(device)
+    return x.permute(0, 1, 4, 2, 3).float() / 127.5 - 1
 
 
 def best_device() -> str:
-    """A GPU if there is one."""
+    """Return ``cuda`` if there is a GPU, otherwise ``cpu``."""
     return "cuda" if torch.cuda.is_available() else "cpu"
 
 
-def _packed(network: nn.Module) -> dict[str, Any]:
-    """Its architecture and its weights, those in half precision."""
+def _sigmoid(logits: Tensor) -> np.ndarray:
+    return torch.sigmoid(logits).cpu().numpy()
+
+
+def _pack(network: nn.Module) -> dict[str, Any]:
+    """Architecture and weights of a network, the latter in half precision."""
     weights = {
         key: value.half() if value.is_floating_point() else value
         for key, value in network.state_dict().items()
@@ -214,21 +270,36 @@ def _packed(network: nn.Module) -> dict[str, Any]:
     return dict(architecture=network.architecture, weights=weights)
 
 
-def _unpacked(kind: Callable[..., nn.Module], packed: dict[str, Any]) -> nn.Module:
-    """The reverse of :func:`_packed`. Raises what torch and Python do for weights of another architecture."""
-    network = kind(**packed["architecture"])
-    network.load_state_dict(
-        {
-            key: value.float() if value.is_floating_point() else value
-            for key, value in packed["weights"].items()
-        }
-    )
+def _unpack(network_class: Callable[..., Network], packed: dict[str, Any]) -> Network:
+    """Build the network that :func:`_pack` stored. Raises what torch does if it does not fit."""
+    network = network_class(**packed["architecture"])
+    weights = {
+        key: value.float() if value.is_floating_point() else value
+        for key, value in packed["weights"].items()
+    }
+    network.load_state_dict(weights)
     return network
 
 
-def _probabilities(logits: Tensor) -> np.ndarray:
-    return torch.sigmoid(logits).cpu().numpy()
+def _upgrade_format_4(state: dict[str, Any]) -> dict[str, Any]:
+    """Translate the names of format 4 to those of FORMAT; their values are the same."""
+    keys = {"rule": "thresholds", "judge": "view_classifier"}
+    arguments = {"fine": "quarter_channels", "sharp": "half_channels"}  # of MaskRaft
+    modules = {
+        "rise": "upsample_logits",  # of MaskFlowNet
+        "view": "encoder",  # of ViewClassifier
+        "verdict": "classifier",
+    }
 
+    def rename_weight(key: str) -> str:
+        module, _, rest = key.partition(".")
+        return f"{modules.get(module, module)}.{rest}"
 
-def _size(picture: np.ndarray) -> str:
-    return " x ".join(str(side) for side in picture.shape[:2])
+    state = {keys.get(key, key): value for key, value in state.items()}
+    for key in {"model", "view_classifier"} & state.keys():
+        packed = state[key]
+        state[key] = dict(
+            architecture={arguments.get(k, k): v for k, v in packed["architecture"].items()},
+            weights={rename_weight(k): v for k, v in packed["weights"].items()},
+        )
+    return state

@@ -1,8 +1,10 @@
-"""Looking again at pairs in which something seems to have moved, and at those that seem different but might not be: test-time augmentation.
+"""Test-time augmentation: average the logits of several predictions of a pair.
 
-Nothing about a pair depends on which picture is the first, or on left and right, and things are seen best in the size in which most were learnt. So
-what moved is seen in four ways, and from nearer or farther, so that it is neither tiny nor huge, and the logits are averaged. What is so near that
-the pictures seem different is seen from farther alone. Most pairs need no second look, so it costs little.
+What moved depends neither on the order of the pictures nor on left and right, and models segment
+objects best at the sizes most common in training. A pair in which something moved is therefore
+predicted in four flips and at two scales: a small change is enlarged twice, a large one is shown
+at half the resolution. A pair whose views only just seem different may show one very near object;
+it is predicted at half the resolution alone. Most pairs need neither, so the mean cost is low.
 """
 
 from __future__ import annotations
@@ -11,103 +13,107 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import torch
+import torch.nn.functional as F
 from torch import Tensor
-from torch.nn import functional
 
-See = Callable[[Tensor], Tensor]
-"""Pictures, float (n, 2, 3, h, w), to logits, float (n, 2, h, w)."""
-SIDE_STEP, LEAST_SIDE = 32, 64
-"""Pixels: sides of the pictures that models are shown are multiples of the first and no less than the second."""
-WAYS = ((), (-1,), (1,), (1, -1))
-"""Axes that are turned round, of pictures and of logits alike: none, as in a mirror, exchanged, both."""
+PredictLogits = Callable[[Tensor], Tensor]
+"""Maps pictures, float (n, 2, 3, h, w), to logits, float (n, 2, h, w)."""
+SIDE_MULTIPLE = 32
+"""Models take pictures whose height and width are multiples of this, in pixels."""
+MIN_SIDE = 64
+"""Smallest height and width that models take, in pixels."""
+FLIPS = ((), (-1,), (1,), (1, -1))
+"""Axes to flip, the same for pictures and logits: -1 mirrors, 1 exchanges the two pictures."""
 
 
-def predict_tta(see: See, pictures: Tensor, changed: np.ndarray) -> Tensor:
-    """Mean logits of several looks at pairs.
+def predict_tta(predict_logits: PredictLogits, pictures: Tensor, changed: np.ndarray) -> Tensor:
+    """Average logits over four flips and two scales.
 
     Parameters
     ----------
-    see : callable
+    predict_logits : callable
     pictures : float (n, 2, 3, h, w)
     changed : bool (n, h, w)
-        Where the first look saw something change, in either view. If that fits into half the height and width, the second scale is of that part
-        alone, enlarged to twice its size, else of the whole at half the resolution, if models can be shown such.
+        Where a first prediction found a change in either view. If it fits into half the height
+        and width, the second scale is a crop of that size around it, enlarged twice; otherwise
+        the whole pair at half the resolution, if that is not below MIN_SIDE.
 
     Returns
     -------
     float (n, 2, h, w)
     """
-    sides = pictures.shape[-2:]
-    half = tuple(side // 2 for side in sides)
-    logits = _four_ways(see, pictures)
-    boxes = [_box(image) for image in changed]
-    near = [
+    height, width = pictures.shape[-2:]
+    crop = height // 2, width // 2
+    logits = _predict_flips(predict_logits, pictures)
+    boxes = [_bounding_box(image) for image in changed]
+    small = [
         k
         for k, (top, bottom, left, right) in enumerate(boxes)
-        if bottom - top <= half[0] and right - left <= half[1]
+        if bottom - top <= crop[0] and right - left <= crop[1]
     ]
-    far = sorted(set(range(len(boxes))) - set(near)) if farther(sides) else []
-    if near:
-        windows = [_window(boxes[k], sides, half) for k in near]
-        parts = torch.stack(
-            [
-                pictures[k, :, :, rows, columns]
-                for k, (rows, columns) in zip(near, windows, strict=True)
-            ]
+    if small:
+        windows = [_centre_window(boxes[k], (height, width), crop) for k in small]
+        crops = torch.stack(
+            [pictures[k, :, :, rows, cols] for k, (rows, cols) in zip(small, windows, strict=True)]
         )
-        seen = _resized(_four_ways(see, _scaled(parts, sides)), half)
-        for part, k, (rows, columns) in zip(seen, near, windows, strict=True):
-            logits[k, :, rows, columns] = (logits[k, :, rows, columns] + part) / 2
-    if far:
-        logits[far] = (logits[far] + predict_half_resolution(see, pictures[far])) / 2
+        enlarged = _resize_pictures(crops, (height, width))
+        crop_logits = _resize(_predict_flips(predict_logits, enlarged), crop)
+        for k, (rows, cols), of_crop in zip(small, windows, crop_logits, strict=True):
+            logits[k, :, rows, cols] = (logits[k, :, rows, cols] + of_crop) / 2
+    large = sorted(set(range(len(boxes))) - set(small))
+    if large and half_resolution((height, width)):
+        at_half = predict_half_resolution(predict_logits, pictures[large])
+        logits[large] = (logits[large] + at_half) / 2
     return logits
 
 
-def farther(sides: Sequence[int]) -> tuple[int, ...] | None:
-    """Sides of pictures as from twice as far, rounded down to what models can be shown; None if that is less than they need."""
-    found = tuple(side // 2 // SIDE_STEP * SIDE_STEP for side in sides)
-    return found if min(found) >= LEAST_SIDE else None
+def half_resolution(sides: Sequence[int]) -> tuple[int, ...] | None:
+    """Return half of the height and width, rounded down to SIDE_MULTIPLE; None below MIN_SIDE."""
+    halved = tuple(side // 2 // SIDE_MULTIPLE * SIDE_MULTIPLE for side in sides)
+    return halved if min(halved) >= MIN_SIDE else None
 
 
-def predict_half_resolution(see: See, pictures: Tensor) -> Tensor:
-    """Mean logits, float (n, 2, h, w), of four looks at half the resolution. Raises ValueError if the pictures are too small for that."""
-    sides = farther(pictures.shape[-2:])
-    if sides is None:
-        raise ValueError(
-            f"pictures of {' x '.join(map(str, pictures.shape[-2:]))} pixels cannot be halved"
-        )
-    return _resized(_four_ways(see, _scaled(pictures, sides)), pictures.shape[-2:])
+def predict_half_resolution(predict_logits: PredictLogits, pictures: Tensor) -> Tensor:
+    """Average logits, float (n, 2, h, w), over four flips at half the resolution.
+
+    Raises ValueError for pictures that are too small to be halved.
+    """
+    height, width = pictures.shape[-2:]
+    halved = half_resolution((height, width))
+    if halved is None:
+        raise ValueError(f"pictures of {height} x {width} pixels cannot be halved")
+    logits = _predict_flips(predict_logits, _resize_pictures(pictures, halved))
+    return _resize(logits, (height, width))
 
 
-def _four_ways(see: See, pictures: Tensor) -> Tensor:
-    return torch.stack([see(pictures.flip(way)).flip(way) for way in WAYS]).mean(0)
+def _predict_flips(predict_logits: PredictLogits, pictures: Tensor) -> Tensor:
+    return torch.stack([predict_logits(pictures.flip(axes)).flip(axes) for axes in FLIPS]).mean(0)
 
 
-def _box(image: np.ndarray) -> tuple[int, int, int, int]:
-    """Top, bottom, left and right of what is true in an image; all of it if nothing is."""
-    rows, columns = np.nonzero(image)
+def _bounding_box(image: np.ndarray) -> tuple[int, int, int, int]:
+    """Top, bottom, left and right of the true pixels; the whole image if there are none."""
+    rows, cols = np.nonzero(image)
     if not len(rows):
         return 0, image.shape[0], 0, image.shape[1]
-    return int(rows.min()), int(rows.max()) + 1, int(columns.min()), int(columns.max()) + 1
+    return int(rows.min()), int(rows.max()) + 1, int(cols.min()), int(cols.max()) + 1
 
 
-def _window(
-    box: tuple[int, int, int, int], sides: tuple[int, ...], half: tuple[int, ...]
+def _centre_window(
+    box: tuple[int, int, int, int], sides: tuple[int, int], crop: tuple[int, int]
 ) -> tuple[slice, slice]:
-    """The part of half the height and width with a box in its middle, as far as the edges allow."""
-    starts = [
-        int(np.clip((low + high - part) // 2, 0, side - part))
-        for low, high, side, part in zip(box[::2], box[1::2], sides, half, strict=True)
-    ]
-    return slice(starts[0], starts[0] + half[0]), slice(starts[1], starts[1] + half[1])
-
-
-def _scaled(pictures: Tensor, sides: Sequence[int]) -> Tensor:
-    """Pictures, float (n, 2, 3, h, w), of another size."""
-    return _resized(pictures.flatten(0, 1), sides).unflatten(0, (-1, 2))
-
-
-def _resized(images: Tensor, sides: Sequence[int]) -> Tensor:
-    return functional.interpolate(
-        images, tuple(sides), mode="bilinear", align_corners=False, antialias=True
+    """Rows and columns of a window of size `crop`, centred on a box but inside the picture."""
+    top, left = (
+        int(np.clip((low + high - extent) // 2, 0, side - extent))
+        for low, high, side, extent in zip(box[::2], box[1::2], sides, crop, strict=True)
     )
+    return slice(top, top + crop[0]), slice(left, left + crop[1])
+
+
+def _resize_pictures(pictures: Tensor, sides: Sequence[int]) -> Tensor:
+    """Resize pictures, float (n, 2, 3, h, w)."""
+    return _resize(pictures.flatten(0, 1), sides).unflatten(0, (-1, 2))
+
+
+def _resize(images: Tensor, sides: Sequence[int]) -> Tensor:
+    """Resize images, float (n, c, h, w), bilinearly without aliasing."""
+    return F.interpolate(images, tuple(sides), mode="bilinear", align_corners=False, antialias=True)

@@ -1,91 +1,53 @@
-"""The command line: every rule of the workflow calls one of these commands, so that a person can run by hand exactly what a rule runs."""
+"""The command line. Every rule of the workflow calls one of these commands."""
 
 from __future__ import annotations
 
 import os
 
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(
-        _variable, "1"
-    )  # jobs run side by side, one thread each; set before numpy is imported
+    # Jobs run side by side, one thread each; must be set before numpy is imported.
+    os.environ.setdefault(_variable, "1")
 
 import sys
 
 import click
 
 from ..errors import UserError
-from . import apartment, figures, flatland, masks, navigation, runs, settings
+from .config import config
+from .predict import predict
+from .products import animation, arrays, figure, table, train
+from .runs import run
 
-CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
+CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
 @click.group(context_settings=CONTEXT)
 @click.version_option(package_name="sensory-commutativity")
 def main() -> None:
-    """Play the same actions in two orders from the same start. Did the sensors end equal?
+    """Play the same actions in two orders from the same start. Do the sensors end equal?
 
-    Commands named after a table write that table; `check` tries a configuration; `figure` and `animation` draw;
-    `provenance` says where a file comes from, `compare` how two runs differ, `verify` whether a run is as it was made.
-    The workflow calls them in the right order: run `make`, or `snakemake --cores all`.
+    The workflow calls these commands in the right order: run `make`, or `snakemake --cores all`.
     """
 
 
-for _command in (
-    figures.animation,
-    apartment.apartment_experiments,
-    apartment.apartment_experiments_part,
-    apartment.apartment_ready,
-    *apartment.FROM_EXPERIMENTS,
-    settings.check,
-    figures.figure,
-    flatland.flatland_alternatives,
-    flatland.flatland_baselines,
-    flatland.flatland_baselines_part,
-    flatland.flatland_commutation,
-    flatland.flatland_commutation_part,
-    flatland.flatland_comparisons,
-    flatland.flatland_experiments,
-    flatland.flatland_experiments_part,
-    flatland.flatland_scp,
-    flatland.flatland_sensitivity,
-    flatland.flatland_trends,
-    *masks.COMMANDS,
-    navigation.navigation_action_spaces,
-    navigation.navigation_curves,
-    navigation.navigation_episode,
-    navigation.navigation_run,
-    navigation.navigation_scp,
-    *navigation.FROM_TABLES,
-    figures.paper_comparison,
-    runs.checksums,
-    runs.compare,
-    runs.crate,
-    runs.provenance,
-    runs.verify,
-    settings.resolve,
-    settings.schema,
-):
+for _command in (table, arrays, train, figure, animation, predict, config, run):
     main.add_command(_command)
 
 
-def run() -> None:
-    """Entry point: an error that is the user's to mend becomes one line and exit code 2."""
+def entry_point() -> None:
+    """Run a command; an error that the user can correct is one line and exit code 2."""
     try:
         main(standalone_mode=False)
-    except click.exceptions.Exit as leave:
-        sys.exit(leave.exit_code)
+    except click.exceptions.Exit as error:
+        sys.exit(error.exit_code)
     except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(
-            error.ctx.get_help() if error.ctx else main.get_help(click.Context(main)), err=True
-        )
+        click.echo(error.ctx.get_help() if error.ctx else main.get_help(click.Context(main)),
+                   err=True)  # fmt: skip
         sys.exit(2)
     except click.ClickException as error:
-        where = (
-            f" ({error.ctx.command_path} --help)"
-            if isinstance(error, click.UsageError) and error.ctx
-            else ""
-        )
-        _fail(error.format_message() + where)
+        context = getattr(error, "ctx", None)
+        usage = isinstance(error, click.UsageError) and context is not None
+        _fail(error.format_message() + (f" (see {context.command_path} --help)" if usage else ""))
     except click.Abort:
         sys.exit(130)
     except UserError as error:

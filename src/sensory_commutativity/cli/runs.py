@@ -164,3 +164,12 @@ def crate(run: Path, out: Path, with_data: bool) -> None:
 
     n = write_crate(run, out, with_data)
     click.echo(f"{out}: {n:,} files, {out.stat().st_size / 1e6:.1f} MB")
+
+
+@click.group()
+def run() -> None:
+    """Check, compare and archive finished runs."""
+
+
+for _command in (provenance, compare, checksums, verify, crate):
+    run.add_command(_command)

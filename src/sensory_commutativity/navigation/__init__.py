@@ -1,1 +1,1 @@
-"""What the SCP is good for: learning to navigate with action spaces made from it (paper, section IV-B)."""
+"""Learning to navigate with action spaces derived from the SCP (paper, section IV-B)."""

@@ -1,7 +1,11 @@
-"""Action spaces made from measured SCPs (paper, section IV-B), as wrappers for any Gymnasium environment.
+"""Action spaces derived from measured SCPs (paper, section IV-B).
 
-A degree of freedom that is seldom commutative changes the world a lot: `truncated` keeps the half with the lowest SCP, `adapted` scales every
-interval by l(SCP). Two controls that the paper lacks tell whether it is the SCP that helps or any reduction: `random-half` and `inverse`.
+The wrappers apply to any Gymnasium environment whose actions are a `Box` of [-1, 1].
+
+A degree of freedom with a low SCP rarely commutes: it interacts with the environment a lot.
+`truncated` keeps the half of the degrees of freedom with the lowest SCP; `adapted` scales the
+interval of each by l(SCP). Two controls that are not in the paper show whether the SCP itself
+matters or any reduction helps: `random-half` and `inverse`.
 
 >>> scp = {"drive": 0.6, "turn": 0.7, "lift": 0.9, "blink": 1.0}
 >>> action_scales("truncated", scp)
@@ -12,7 +16,7 @@ interval by l(SCP). Two controls that the paper lacks tell whether it is the SCP
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 import gymnasium as gym
 import numpy as np
@@ -23,82 +27,94 @@ from gymnasium.vector.utils import batch_space
 from ..errors import UserError
 
 Scp = Mapping[str, float]
-"""Degree of freedom -> SCP, in the order of the environment's actions."""
+"""Degree of freedom -> SCP in [0, 1], in the order of the environment's actions."""
 
 
 class ScpError(UserError):
-    """A SCP table does not have what an action space needs."""
+    """A table of SCPs lacks rows that an action space needs, or holds invalid ones."""
 
 
-def _keep(scp: Scp, kept: Sequence[str]) -> dict[str, float]:
+def _keep(scp: Scp, kept: Collection[str]) -> dict[str, float]:
     return {dof: float(dof in kept) for dof in scp}
 
 
-def _by_scp(scp: Scp) -> list[str]:
-    """Degrees of freedom from the lowest to the highest SCP; equal ones in the order of the actions."""
+def _sort_by_scp(scp: Scp) -> list[str]:
+    """Sort from the lowest to the highest SCP; ties stay in the order of the actions."""
     return sorted(scp, key=lambda dof: scp[dof])
 
 
-def full(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
-    """Everything: the paper's baseline."""
+def keep_all(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
+    """Keep all degrees of freedom (the paper's baseline)."""
     return _keep(scp, list(scp))
 
 
-def truncated(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
-    """The half with the lowest SCP (paper: SCP-truncated); the larger half where their number is odd."""
-    return _keep(scp, _by_scp(scp)[: (len(scp) + 1) // 2])
+def keep_low_scp(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
+    """Keep the half with the lowest SCP, rounded up (paper: SCP-truncated)."""
+    return _keep(scp, _sort_by_scp(scp)[: (len(scp) + 1) // 2])
 
 
-def adapted(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
-    """l(SCP), linear: the lowest SCP to 1, the highest to 0 (paper: SCP-adapted); all 1 where all are equal."""
+def scale_by_scp(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
+    """Scale linearly: 1 for the lowest SCP, 0 for the highest (paper: SCP-adapted).
+
+    All scales are 1 if all SCPs are equal.
+    """
     low, high = min(scp.values()), max(scp.values())
     return {dof: (high - value) / (high - low) if high > low else 1.0 for dof, value in scp.items()}
 
 
-def random_half(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
-    """Control: a half drawn at random."""
+def keep_random_half(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
+    """Keep a random half, rounded up (control). Raises ValueError without a generator."""
     if rng is None:
-        raise ValueError("random-half draws its half: give it a generator")
+        raise ValueError("the action space random-half needs a random generator")
     dofs = list(scp)
     return _keep(scp, [dofs[i] for i in rng.choice(len(dofs), (len(dofs) + 1) // 2, replace=False)])
 
 
-def inverse(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
-    """Control: the half with the highest SCP."""
-    return _keep(scp, _by_scp(scp)[len(scp) // 2 :])
+def keep_high_scp(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
+    """Keep the half with the highest SCP, rounded up (control)."""
+    return _keep(scp, _sort_by_scp(scp)[len(scp) // 2 :])
 
 
 ACTION_SPACES: dict[str, Callable[[Scp, np.random.Generator | None], dict[str, float]]] = {
-    "full": full,
-    "truncated": truncated,
-    "adapted": adapted,
-    "random-half": random_half,
-    "inverse": inverse,
+    "full": keep_all,
+    "truncated": keep_low_scp,
+    "adapted": scale_by_scp,
+    "random-half": keep_random_half,
+    "inverse": keep_high_scp,
 }
 
 
 def action_scales(
     action_space: str, scp: Scp, rng: np.random.Generator | None = None
 ) -> dict[str, float]:
-    """How far each degree of freedom may go: degree of freedom -> factor in [0, 1] of its interval; 0 fixes it.
+    """Compute the scale of each degree of freedom in an action space.
 
     Parameters
     ----------
     action_space : str
         A key of ACTION_SPACES.
-    scp : mapping
+    scp : mapping of str to float
         Degree of freedom -> SCP in [0, 1].
-    rng : Generator
-        For `random-half`, which draws from it; the others ignore it.
+    rng : Generator, optional
+        Required by ``random-half``; the others ignore it.
+
+    Returns
+    -------
+    dict of str to float
+        Degree of freedom -> factor of its interval in [0, 1], in the order of `scp`; 0 removes it.
+
+    Raises
+    ------
+    ValueError
+        If the action space is unknown, or needs a generator that is not given.
     """
     if action_space not in ACTION_SPACES:
-        raise ValueError(
-            f"there is no action space {action_space!r}; choose one of {', '.join(ACTION_SPACES)}"
-        )
+        known = ", ".join(ACTION_SPACES)
+        raise ValueError(f"unknown action space {action_space!r}; choose one of {known}")
     return ACTION_SPACES[action_space](scp, rng)
 
 
-def scp_of(
+def scp_from_table(
     table: pd.DataFrame,
     dofs: Sequence[str],
     world: str,
@@ -106,77 +122,120 @@ def scp_of(
     length: int,
     threshold: float = 0.0,
 ) -> dict[str, float]:
-    """The SCPs that a table like flatland_scp holds of an agent in a world, in the order of `dofs`. Raises ScpError where one is missing or twice."""
-    chosen = (
+    """Select the SCPs of one agent in one world from a table.
+
+    Parameters
+    ----------
+    table : DataFrame
+        With the columns world, agent, length, threshold, dof and scp.
+    dofs : sequence of str
+        Degrees of freedom, in the order of the actions.
+    world, agent : str
+    length : int
+        Length of the action sequences, steps.
+    threshold : float
+        Largest distance that counts as equal, in the unit of the distance.
+
+    Returns
+    -------
+    dict of str to float
+        Degree of freedom -> SCP, in the order of `dofs`.
+
+    Raises
+    ------
+    ScpError
+        If a degree of freedom has no row or several, or its SCP lies outside [0, 1].
+    """
+    selected = (
         (table["world"] == world)
         & (table["agent"] == agent)
         & (table["length"] == length)
         & (table["threshold"] == threshold)
     )
-    rows = table[chosen]
+    rows = table[selected]
     where = f"the SCP table, {agent!r} in {world!r}, length {length}, threshold {threshold:g}"
     missing = [dof for dof in dofs if dof not in set(rows["dof"])]
     if missing:
         raise ScpError(
-            f"{where}: no row for {', '.join(missing)}; run the SC-experiments of every degree of freedom"
+            f"{where}: no row for {', '.join(missing)}; "
+            "run the SC-experiments of every degree of freedom"
         )
-    if rows["dof"].duplicated().any():
-        raise ScpError(
-            f"{where}: more than one row for {', '.join(rows['dof'][rows['dof'].duplicated()])}; make the table anew"
-        )
-    found = rows.set_index("dof")["scp"]
-    wrong = [dof for dof in dofs if not 0 <= found[dof] <= 1]
-    if wrong:
-        raise ScpError(
-            f"{where}: the SCP of {', '.join(wrong)} is no probability; make the table anew"
-        )
-    return {dof: float(found[dof]) for dof in dofs}
+    duplicated = rows["dof"][rows["dof"].duplicated()]
+    if len(duplicated):
+        names = ", ".join(duplicated)
+        raise ScpError(f"{where}: more than one row for {names}; compute the table again")
+    scp = rows.set_index("dof")["scp"]
+    invalid = [dof for dof in dofs if not 0 <= scp[dof] <= 1]
+    if invalid:
+        names = ", ".join(invalid)
+        raise ScpError(f"{where}: the SCP of {names} is not in [0, 1]; compute the table again")
+    return {dof: float(scp[dof]) for dof in dofs}
 
 
 class _Scaling:
-    """What both wrappers share: from the few scaled actions of a learner to the whole action of the environment."""
+    """The mapping from reduced, scaled actions to actions of the environment.
 
-    def __init__(self, scales: Sequence[float], whole: spaces.Box):
-        if not isinstance(whole, spaces.Box) or not np.issubdtype(whole.dtype, np.floating):
+    Attributes
+    ----------
+    space : Box
+        Reduced action space: the degrees of freedom with a scale above 0.
+    """
+
+    def __init__(self, scales: Sequence[float], full_space: spaces.Space):
+        if not isinstance(full_space, spaces.Box) or not np.issubdtype(
+            full_space.dtype, np.floating
+        ):
             raise ValueError(
-                f"the environment's actions must be a Box of floating-point numbers in [-1, 1], not {whole}"
+                f"the environment's actions must be a Box of floats in [-1, 1], not {full_space}"
             )
         self.scales = np.asarray(scales, np.float64)
-        if self.scales.shape != whole.shape:
+        if self.scales.shape != full_space.shape:
             raise ValueError(
-                f"an action of this environment has the shape {whole.shape}, but there are {self.scales.shape} scales"
+                f"scales have the shape {self.scales.shape}, "
+                f"but actions of the environment have the shape {full_space.shape}"
             )
         if not ((self.scales >= 0) & (self.scales <= 1)).all():
             raise ValueError(f"scales must lie in [0, 1], got {self.scales.tolist()}")
         if not self.scales.any():
-            raise ValueError("all scales are 0: nothing is left to act with")
-        if not (np.allclose(whole.low, -1) and np.allclose(whole.high, 1)):
+            raise ValueError("all scales are 0: the action space would be empty")
+        if not (np.allclose(full_space.low, -1) and np.allclose(full_space.high, 1)):
             raise ValueError(
-                f"the environment's actions must lie in [-1, 1], not in [{whole.low.min():g}, {whole.high.max():g}]; rescale them first"
+                "the environment's actions must lie in [-1, 1], not in "
+                f"[{full_space.low.min():g}, {full_space.high.max():g}]; rescale them first"
             )
         self.free = np.flatnonzero(self.scales)
-        self.space = spaces.Box(-1.0, 1.0, (len(self.free),), whole.dtype)
+        self.space = spaces.Box(-1.0, 1.0, (len(self.free),), full_space.dtype)
 
-    def whole(self, action: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-        action = np.asarray(action)
-        if action.shape != shape:
+    def expand(self, actions: np.ndarray, batch_shape: tuple[int, ...] = ()) -> np.ndarray:
+        """Clip and scale reduced actions (..., n_free) and insert zeros: (..., n_dofs)."""
+        actions = np.asarray(actions)
+        expected = (*batch_shape, len(self.free))
+        if actions.shape != expected:
             raise ValueError(
-                f"an action of this action space has the shape {shape}, got {action.shape}"
+                f"actions of this action space have the shape {expected}, got {actions.shape}"
             )
-        whole = np.zeros((*shape[:-1], len(self.scales)), self.space.dtype)
-        whole[..., self.free] = np.clip(action, -1, 1) * self.scales[self.free]
-        return whole
+        full = np.zeros((*batch_shape, len(self.scales)), self.space.dtype)
+        full[..., self.free] = np.clip(actions, -1, 1) * self.scales[self.free]
+        return full
 
 
 class ScaledAction(gym.ActionWrapper):
-    """An environment whose action intervals are scaled; degrees of freedom with scale 0 are fixed and leave the action space.
+    """Scale the actions of an environment and remove those with scale 0.
+
+    Actions of the wrapped environment are clipped to [-1, 1] and multiplied by their scales.
+    Removed degrees of freedom receive 0.
 
     Parameters
     ----------
     env : gymnasium.Env
-        Its actions are a Box of [-1, 1], one element per degree of freedom.
+        Its actions are a `Box` of [-1, 1], one element per degree of freedom.
     scales : float (n_dofs,), each in [0, 1]
-        What :func:`action_scales` gives, in the order of the actions.
+        In the order of the actions; see :func:`action_scales`.
+
+    Raises
+    ------
+    ValueError
+        If the actions of `env` are not such a `Box`, or the scales do not fit it.
     """
 
     def __init__(self, env: gym.Env, scales: Sequence[float]):
@@ -185,10 +244,10 @@ class ScaledAction(gym.ActionWrapper):
         self.action_space = self._scaling.space
 
     def action(self, action: np.ndarray) -> np.ndarray:
-        return self._scaling.whole(action, self.action_space.shape)
+        return self._scaling.expand(action)
 
 
-class ScaledActions(gym.vector.VectorActionWrapper):
+class VectorScaledAction(gym.vector.VectorActionWrapper):
     """:class:`ScaledAction` for a vector environment."""
 
     def __init__(self, env: gym.vector.VectorEnv, scales: Sequence[float]):
@@ -198,4 +257,4 @@ class ScaledActions(gym.vector.VectorActionWrapper):
         self.action_space = batch_space(self._scaling.space, env.num_envs)
 
     def actions(self, actions: np.ndarray) -> np.ndarray:
-        return self._scaling.whole(actions, self.action_space.shape)
+        return self._scaling.expand(actions, (self.num_envs,))

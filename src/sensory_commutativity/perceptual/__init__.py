@@ -1,1 +1,1 @@
-"""How different two pictures look: distances of features of a network that was trained to see."""
+"""Perceptual distances: how different two images look, by the features of an image classifier."""

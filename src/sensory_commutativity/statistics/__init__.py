@@ -1,0 +1,1 @@
+"""Statistical tests and intervals. Nothing here knows what the numbers measure."""

@@ -1,4 +1,8 @@
-"""One group of runs in a few numbers: mean, median and interquartile mean with intervals, and the ratio of two groups' means."""
+"""Aggregates of one sample of runs with confidence intervals, and the ratio of two means.
+
+Agarwal et al. 2021, "Deep reinforcement learning at the edge of the statistical precipice",
+https://arxiv.org/abs/2108.13264, recommend interquartile means and bootstrap intervals.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import stats
 
-from .checks import fraction, sample
+from .checks import check_fraction, check_sample
 
 
 def interquartile_mean(x: ArrayLike, axis: int = 0) -> float | np.ndarray:
-    """Mean of the middle half: a quarter of the values, rounded down to whole ones, is left out at either end (Agarwal et al. 2021)."""
+    """Mean of the middle half of the values (Agarwal et al. 2021).
+
+    A quarter of the values, rounded down to a whole number of values, is dropped at either end.
+    """
     return stats.trim_mean(x, 0.25, axis=axis)
 
 
@@ -25,40 +32,42 @@ def bootstrap_interval(
     resamples: int = 9_999,
     confidence: float = 0.95,
 ) -> tuple[float, float]:
-    """Bootstrap interval (BCa) of a statistic of the runs x.
+    """Bias-corrected and accelerated (BCa) bootstrap interval of a statistic.
 
     Parameters
     ----------
     x : float (n,)
         One value per run.
     statistic : callable
-        Array (n,) -> float; if it takes `axis`, as numpy's functions do, all resamples are computed at once.
+        Array (n,) -> float. If it takes `axis`, like numpy's functions, all resamples are computed
+        in one call.
+    rng : Generator
+    resamples : int
+    confidence : float
 
     Returns
     -------
-    (low, high)
-        Where BCa is undefined, as it is when leaving out any one run leaves the statistic as it is, the percentile interval of the same resamples;
-        so, when all values are equal, the statistic itself twice.
+    low, high : float
+        Where BCa is undefined, because leaving out any one run does not change the statistic, the
+        percentile interval of the same resamples. If all values are equal, both ends are the
+        statistic itself.
     """
-    x, confidence = sample(x, "x"), fraction(confidence, "confidence")
+    x = check_sample(x, "x")
+    confidence = check_fraction(confidence, "confidence")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an undefined BCa interval: handled here
-        found = stats.bootstrap(
-            (x,),
-            statistic,
-            n_resamples=resamples,
-            confidence_level=confidence,
-            method="BCa",
-            rng=rng,
-        )
-    low, high = found.confidence_interval
+        bootstrap = stats.bootstrap(
+            (x,), statistic, n_resamples=resamples, confidence_level=confidence,
+            method="BCa", rng=rng,
+        )  # fmt: skip
+    low, high = bootstrap.confidence_interval
     if np.isnan(low) or np.isnan(high):
-        low, high = percentile_interval(found.bootstrap_distribution, confidence)
+        low, high = percentile_interval(bootstrap.bootstrap_distribution, confidence)
     return float(low), float(high)
 
 
 class Summary(NamedTuple):
-    """Mean with its t interval, median and interquartile mean with BCa bootstrap intervals, of n runs."""
+    """Mean (t interval), median and interquartile mean (BCa bootstrap intervals) of n runs."""
 
     n: int
     mean: float
@@ -72,25 +81,25 @@ class Summary(NamedTuple):
     iqm_high: float
 
 
-def summary(
+def summarize(
     x: ArrayLike, rng: np.random.Generator, resamples: int = 9_999, confidence: float = 0.95
 ) -> Summary:
-    """Summary of the runs x (n,), with intervals as `bootstrap_interval` gives them; of zero width when all values are equal."""
-    x, confidence = sample(x, "x"), fraction(confidence, "confidence")
+    """Compute mean, median and interquartile mean of the runs x (n,) with their intervals.
+
+    The intervals have zero width if all values are equal; see :func:`bootstrap_interval`.
+    """
+    x = check_sample(x, "x")
+    confidence = check_fraction(confidence, "confidence")
     mean = float(x.mean())
-    mean_low, mean_high = (
-        stats.t.interval(confidence, x.size - 1, mean, stats.sem(x)) if np.ptp(x) else (mean, mean)
-    )
+    mean_low, mean_high = mean, mean
+    if np.ptp(x):
+        mean_low, mean_high = stats.t.interval(confidence, x.size - 1, mean, stats.sem(x))
+    median_interval = bootstrap_interval(x, np.median, rng, resamples, confidence)
+    iqm_interval = bootstrap_interval(x, interquartile_mean, rng, resamples, confidence)
     return Summary(
-        x.size,
-        mean,
-        float(mean_low),
-        float(mean_high),
-        float(np.median(x)),
-        *bootstrap_interval(x, np.median, rng, resamples, confidence),
-        float(interquartile_mean(x)),
-        *bootstrap_interval(x, interquartile_mean, rng, resamples, confidence),
-    )
+        x.size, mean, float(mean_low), float(mean_high), float(np.median(x)), *median_interval,
+        float(interquartile_mean(x)), *iqm_interval,
+    )  # fmt: skip
 
 
 class Ratio(NamedTuple):
@@ -108,16 +117,34 @@ def ratio_of_means(
     resamples: int = 9_999,
     confidence: float = 0.95,
 ) -> Ratio:
-    """mean(a) / mean(b) of two independent groups of runs, with a percentile bootstrap interval; the groups are resampled independently.
+    """Ratio mean(a) / mean(b) of two independent samples, with a percentile bootstrap interval.
 
-    The interval is (-inf, inf) when b's mean is not told apart from 0 at this confidence, i.e. when a share (1 - confidence) / 2 or more of its
-    resampled means is 0 or has the other sign (Fieller's interval is unbounded then, too); a smaller share of them is left out. Raises ValueError
-    when mean(b) is 0.
+    Parameters
+    ----------
+    a, b : float (n,), (m,)
+        One value per run. The samples are resampled independently.
+    rng : Generator
+    resamples : int
+    confidence : float
+
+    Returns
+    -------
+    Ratio
+        The interval is (-inf, inf) where the mean of b does not differ from 0 at this confidence:
+        where (1 - confidence) / 2 or more of its resampled means are 0 or have the other sign.
+        Fieller's interval is unbounded then, too. Fewer such resamples are dropped.
+
+    Raises
+    ------
+    ValueError
+        If mean(b) is 0.
     """
-    a, b, confidence = sample(a, "a"), sample(b, "b"), fraction(confidence, "confidence")
+    a, b = check_sample(a, "a"), check_sample(b, "b")
+    confidence = check_fraction(confidence, "confidence")
     if b.mean() == 0:
         raise ValueError(
-            "the ratio of means needs a second group whose mean is not 0; compare the difference of means instead"
+            "the ratio of means needs a second sample whose mean is not 0; "
+            "compare the difference of means instead"
         )
     ratio = float(a.mean() / b.mean())
     means_a, means_b = (resampling_counts(x.size, resamples, rng) @ x / x.size for x in (a, b))
@@ -128,11 +155,14 @@ def ratio_of_means(
 
 
 def resampling_counts(n: int, resamples: int, rng: np.random.Generator) -> np.ndarray:
-    """How often each of n runs is in each bootstrap resample, int (resamples, n); `counts @ x / n` are resampled means of x."""
+    """Count how often each of n values is drawn in each bootstrap resample, int (resamples, n).
+
+    ``counts @ x / n`` are the means of the resamples of x (n,).
+    """
     return rng.multinomial(n, np.full(n, 1 / n), size=resamples)
 
 
 def percentile_interval(resampled: np.ndarray, confidence: float) -> tuple[float, float]:
-    """The central `confidence` of resampled values (resamples,)."""
+    """Central interval (low, high) that holds a fraction `confidence` of resampled values (n,)."""
     low, high = np.quantile(resampled, [(1 - confidence) / 2, (1 + confidence) / 2])
     return float(low), float(high)

@@ -1,4 +1,7 @@
-"""Does the test keep its level on data like ours? A/A tests: two groups made from one, between which there is nothing to find."""
+"""A/A tests: does Welch's test keep its level on data with this distribution?
+
+Two groups are made from the same values, so that every rejection is a false one.
+"""
 
 from __future__ import annotations
 
@@ -8,46 +11,55 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import stats
 
-from .checks import fraction, sample
+from .checks import check_fraction, check_sample
 
 
-def split_rejections(values: ArrayLike, splits: int, alpha: float, rng: np.random.Generator) -> int:
-    """How many of `splits` Welch tests between random halves of `values` (n,), n >= 4, have p < alpha.
+def count_split_rejections(
+    values: ArrayLike, splits: int, alpha: float, rng: np.random.Generator
+) -> int:
+    """Count Welch tests with p < alpha between random halves of `values` (n,), n >= 4.
 
-    With odd n the second half has one run more. Halves that are constant and equal are not rejected; constant and different, they are, as in
-    `groups.welch`.
+    Of `splits` tests. With odd n the second half has one run more. Two constant halves are
+    rejected if they differ, as in :func:`.groups.welch`.
     """
-    values = sample(values, "values", least=4)
-    fraction(alpha, "alpha")
+    values = check_sample(values, "values", minimum=4)
+    check_fraction(alpha, "alpha")
     centred = values - values[0]  # equal values give exact zeros, and a variance of exactly 0
     shuffled = rng.permuted(np.tile(centred, (splits, 1)), axis=1)  # (splits, n)
     half = values.size // 2
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # constant halves
-        p = stats.ttest_ind(shuffled[:, :half], shuffled[:, half:], axis=1, equal_var=False).pvalue
-    return int((p < alpha).sum())  # NaN is not
+    return _count_rejections(shuffled[:, :half], shuffled[:, half:], alpha)
 
 
-def resampled_rejections(
+def count_resampled_rejections(
     values: ArrayLike, draws: int, alpha: float, rng: np.random.Generator
 ) -> int:
-    """How many of `draws` Welch tests have p < alpha, each between two groups of n drawn with replacement from `values` (n,), n >= 4.
+    """Count Welch tests with p < alpha between two groups drawn with replacement.
 
-    Both groups have the distribution of the values and the size that is compared in earnest; halves are smaller, and what one half has of rare
-    values the other lacks, so that with skewed values they differ less often than alpha.
+    Of `draws` tests. Each group has n values drawn from `values` (n,), n >= 4. Unlike halves, the
+    groups have the size of the real comparison and are independent. Of two halves, one lacks the
+    rare values that the other has, so that with skewed values they reject less often than alpha.
     """
-    values = sample(values, "values", least=4)
-    fraction(alpha, "alpha")
+    values = check_sample(values, "values", minimum=4)
+    check_fraction(alpha, "alpha")
     centred = values - values[0]  # equal values give exact zeros, and a variance of exactly 0
     groups = centred[rng.integers(0, values.size, (2, draws, values.size))]
+    return _count_rejections(groups[0], groups[1], alpha)
+
+
+def _count_rejections(a: np.ndarray, b: np.ndarray, alpha: float) -> int:
+    """Rows in which Welch's test of a (tests, n) and b (tests, m) has p < alpha."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # constant groups
-        p = stats.ttest_ind(groups[0], groups[1], axis=1, equal_var=False).pvalue
-    return int((p < alpha).sum())  # NaN is not
+        p = stats.ttest_ind(a, b, axis=1, equal_var=False).pvalue
+    return int((p < alpha).sum())  # p is NaN, and not counted, where both are constant and equal
 
 
 def binomial_band(alpha: float, n: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Central interval of the share of rejections among `n` independent tests when each rejects with probability `alpha`; (low, high)."""
-    fraction(alpha, "alpha"), fraction(confidence, "confidence")
+    """Central interval (low, high) of the fraction of rejections.
+
+    Of `n` independent tests, each of which rejects with probability `alpha`.
+    """
+    check_fraction(alpha, "alpha")
+    check_fraction(confidence, "confidence")
     low, high = stats.binom.ppf([(1 - confidence) / 2, (1 + confidence) / 2], n, alpha) / n
     return float(low), float(high)

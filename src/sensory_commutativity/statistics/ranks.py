@@ -1,4 +1,4 @@
-"""Do two measures put the degrees of freedom in the same order?"""
+"""Rank correlation of two measures, with a permutation test."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from scipy.stats import kendalltau, spearmanr
 
 
 class RankCorrelation(NamedTuple):
-    """Rank correlations of two measures of the same n things."""
+    """Rank correlations of two measures of the same n items."""
 
     n: int
     spearman: float
@@ -20,7 +20,10 @@ class RankCorrelation(NamedTuple):
 def rank_correlation(
     x: np.ndarray, y: np.ndarray, rng: np.random.Generator, permutations: int = 9_999
 ) -> RankCorrelation:
-    """Spearman's rho with a permutation test, and Kendall's tau-b, of two arrays (n,); NaN and p = 1 where one of them is constant."""
+    """Spearman's rho with a permutation test, and Kendall's tau-b, of two arrays (n,).
+
+    The coefficients are NaN and p is 1 if one of the arrays is constant.
+    """
     x, y = np.asarray(x, float), np.asarray(y, float)
     if np.ptp(x) == 0 or np.ptp(y) == 0:
         return RankCorrelation(len(x), float("nan"), float("nan"), 1.0)

@@ -1,6 +1,7 @@
-"""Arrays in HDF5 files: written whole or not at all, checked, with what is said about them, by their hash when they are read.
+"""Arrays in HDF5 files with metadata, written atomically and checked by their hash when read.
 
-Every array lies in chunks of one row, compressed, so that any row can be read alone. Masks are kept with eight pixels to a byte.
+Arrays of three and more dimensions are stored in compressed chunks of one row, so that any row can
+be read alone. Masks are packed into eight pixels per byte.
 """
 
 from __future__ import annotations
@@ -17,19 +18,30 @@ from ..errors import UserError
 from .atomic import atomic_write
 
 FORMAT = 2
+"""Version of the layout below; files of other versions are refused."""
 REMEDY = "delete it, and run the workflow again"
 
 
-class StoreError(UserError):
-    """A file of arrays cannot be used."""
+class ArrayFileError(UserError):
+    """A file of arrays is missing, damaged or of another kind."""
 
 
 def write_arrays(
-    path: Path, content: str, arrays: Mapping[str, np.ndarray], about: Mapping[str, str]
+    path: Path, content: str, arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]
 ) -> None:
-    """Write named arrays; `content` says what they are, `about` where they come from (names and texts)."""
-    whole = io.BytesIO()  # HDF5 itself says much, and unclearly, where a disk is full
-    with h5py.File(whole, "w") as file:
+    """Write named arrays to an HDF5 file.
+
+    Parameters
+    ----------
+    path : Path
+    content : str
+        Kind of file, such as ``pairs``; :func:`read_arrays` refuses other kinds.
+    arrays : mapping of str to array
+    metadata : mapping of str to str
+        For example the provenance of the arrays.
+    """
+    buffer = io.BytesIO()  # on a full disk, HDF5 itself raises long and unclear errors
+    with h5py.File(buffer, "w") as file:
         for name, array in arrays.items():
             chunks = (1, *array.shape[1:]) if array.ndim > 2 and len(array) else None
             file.create_dataset(
@@ -39,45 +51,51 @@ def write_arrays(
                 compression="lzf" if chunks else None,
                 track_times=False,
             )
-        file.attrs.update(format=FORMAT, content=content, sha256=_digest(arrays, about), **about)
+        digest = _hash(arrays, metadata)
+        file.attrs.update(format=FORMAT, content=content, sha256=digest, **metadata)
     with atomic_write(path) as temporary:
-        temporary.write_bytes(whole.getbuffer())
+        temporary.write_bytes(buffer.getbuffer())
 
 
 def read_arrays(path: Path, content: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Read what :func:`write_arrays` wrote: arrays, and what they come from. Raises StoreError with what is wrong and the remedy."""
+    """Read the arrays and the metadata that :func:`write_arrays` wrote.
+
+    Raises ArrayFileError if the file is missing, damaged, of another version or of another
+    `content`.
+    """
     if not path.is_file():
-        raise StoreError(f"{path}: there is no such file; run the workflow again")
+        raise ArrayFileError(f"{path}: there is no such file; run the workflow again")
     try:
         with h5py.File(path, "r") as file:
-            about = dict(file.attrs)
-            if about.get("format") != FORMAT or about.get("content") != content:
-                raise StoreError(f"{path}: no file of {content}, or of another version; {REMEDY}")
+            attributes = dict(file.attrs)
+            kind = attributes.pop("format", None), attributes.pop("content", None)
+            if kind != (FORMAT, content):
+                raise ArrayFileError(
+                    f"{path}: no file of {content}, or of another version; {REMEDY}"
+                )
             arrays = {name: dataset[()] for name, dataset in file.items()}
-            expected = about.pop("sha256", None)
+            digest = attributes.pop("sha256", None)
     except (OSError, KeyError, ValueError, RuntimeError) as error:
-        raise StoreError(
-            f"{path}: half written or damaged ({(str(error).splitlines() or ['?'])[0][:80]}); {REMEDY}"
-        ) from None
-    texts = {name: value for name, value in about.items() if name not in ("format", "content")}
-    if _digest(arrays, texts) != expected:
-        raise StoreError(f"{path}: damaged, its contents do not fit its hash; {REMEDY}")
-    return arrays, texts
+        reason = (str(error).splitlines() or ["?"])[0][:80]
+        raise ArrayFileError(f"{path}: incomplete or damaged ({reason}); {REMEDY}") from None
+    if _hash(arrays, attributes) != digest:
+        raise ArrayFileError(f"{path}: damaged, its content does not match its hash; {REMEDY}")
+    return arrays, attributes
 
 
-def pack(masks: np.ndarray) -> np.ndarray:
-    """Masks bool (..., h, w) as uint8 (..., h, ceil(w / 8))."""
+def pack_masks(masks: np.ndarray) -> np.ndarray:
+    """Pack masks, bool (..., h, w), into bits: uint8 (..., h, ceil(w / 8))."""
     return np.packbits(masks, axis=-1)
 
 
-def unpack(masks: np.ndarray, width: int) -> np.ndarray:
-    """The reverse of :func:`pack`."""
-    return np.unpackbits(masks, axis=-1, count=width).astype(bool)
+def unpack_masks(packed: np.ndarray, width: int) -> np.ndarray:
+    """Invert :func:`pack_masks`: bool (..., h, width)."""
+    return np.unpackbits(packed, axis=-1, count=width).astype(bool)
 
 
-def _digest(arrays: Mapping[str, np.ndarray], texts: Mapping[str, object]) -> str:
-    content = hashlib.sha256(repr(sorted(texts.items())).encode())
+def _hash(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, object]) -> str:
+    digest = hashlib.sha256(repr(sorted(metadata.items())).encode())
     for name in sorted(arrays):
-        content.update(f"{name} {arrays[name].shape} {arrays[name].dtype}".encode())
-        content.update(np.ascontiguousarray(arrays[name]).tobytes())
-    return content.hexdigest()
+        digest.update(f"{name} {arrays[name].shape} {arrays[name].dtype}".encode())
+        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
+    return digest.hexdigest()

@@ -1,8 +1,9 @@
-"""What all sections of the configuration share."""
+"""Base class and types of settings that are read from YAML files."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Collection
+from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, StringConstraints
 
@@ -11,14 +12,18 @@ Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$", max
 
 
 class Section(BaseModel):
-    """A part of the configuration: unknown keys and values of another type are refused, and nothing changes later."""
+    """A section of settings: immutable, without unknown keys, without conversion of types."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
-def known(name: str, defined: dict[str, Any], key: str, where: str) -> None:
-    """Raise ValueError if `name`, set at `key`, is none of those `defined` under the key `where`."""
+def check_defined(name: str, defined: Collection[str], key: str, section: str) -> None:
+    """Raise ValueError if `name`, the value of `key`, is not one of the names that are `defined`.
+
+    `section` is the key under which they are defined.
+    """
     if name not in defined:
         raise ValueError(
-            f"{key} names {name!r}, which {where} does not define; choose one of {', '.join(defined)}, or define it"
+            f"{key} names {name!r}, which {section} does not define; "
+            f"choose one of {', '.join(defined)}, or define it"
         )

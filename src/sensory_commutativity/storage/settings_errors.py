@@ -1,4 +1,4 @@
-"""Telling a person what is wrong with a configuration: one line, the key, the remedy."""
+"""Error messages for settings: one line with the key, what is wrong, and the remedy."""
 
 from __future__ import annotations
 
@@ -10,49 +10,65 @@ from pydantic import BaseModel, ValidationError
 
 from ..errors import ConfigError
 
-LARGEST = 10**300
-"""Whole numbers beyond it become infinite where they are calculated with."""
+MAX_INTEGER = 10**300
+"""Chosen: larger integers overflow to infinity in floating-point arithmetic."""
+MAX_SHOWN = 60
+"""Characters of a value that a message shows; chosen: so that the message fits on a line or two."""
 
 
-def refuse_what_json_has_not(value: Any, key: str) -> None:
-    """YAML knows dates, infinities, numbers without end, keys that are no text and texts that no file can hold; a configuration may not hold them."""
+def check_json_value(value: Any, key: str) -> None:
+    """Check that a value read from YAML consists of what JSON can express.
+
+    YAML also has dates, infinities, integers of any size, keys that are not text, and text that no
+    file name can contain.
+
+    Raises
+    ------
+    ConfigError
+        With the key of the value, which starts with `key`.
+    """
     if isinstance(value, dict):
         for name, inner in value.items():
             if not isinstance(name, str):
                 raise ConfigError(
-                    f"{key}: the key {_short(name)} is no text; put it in quotes or remove it"
+                    f"{key}: the key {_shorten(name)} is not text; put it in quotes or remove it"
                 )
-            _refuse_strange_text(name, f"{key}: the key")
-            refuse_what_json_has_not(inner, f"{key}.{_line(name)}")
+            _check_text(name, f"{key}: the key")
+            check_json_value(inner, f"{key}.{_escape(name)}")
     elif isinstance(value, list):
         for i, inner in enumerate(value):
-            refuse_what_json_has_not(inner, f"{key}.{i}")
+            check_json_value(inner, f"{key}.{i}")
     elif not (value is None or isinstance(value, str | bool | int | float)):
         raise ConfigError(
-            f"{key}: {_short(value)} is a {type(value).__name__}; put it in quotes if it is meant as text"
+            f"{key}: {_shorten(value)} is a {type(value).__name__}; "
+            "put it in quotes if it is meant as text"
         )
     elif isinstance(value, str):
-        _refuse_strange_text(value, f"{key}:")
-    elif isinstance(value, int) and abs(value) > LARGEST:
+        _check_text(value, f"{key}:")
+    elif isinstance(value, int) and abs(value) > MAX_INTEGER:
         raise ConfigError(
             f"{key}: a number of {value.bit_length()} bits is too large; set a smaller one"
         )
     elif isinstance(value, float) and not math.isfinite(value):
         raise ConfigError(
-            f"{key}: {value!r} is not a finite number; set a finite one, or null where the key allows it"
+            f"{key}: {value!r} is not a finite number; "
+            "set a finite one, or null where the key allows it"
         )
 
 
-def _refuse_strange_text(text: str, where: str) -> None:
-    """Half a character (a lone surrogate) cannot be written, and no name of a file holds a zero byte."""
+def _check_text(text: str, where: str) -> None:
+    """Reject lone surrogates, which cannot be encoded, and zero bytes, which no path can have."""
     if "\0" in text or any("\ud800" <= letter <= "\udfff" for letter in text):
         raise ConfigError(
-            f"{where} {_short(text)} holds a zero byte or half a character; take it out"
+            f"{where} {_shorten(text)} contains a zero byte or half a character; remove it"
         )
 
 
 def explain(error: ValidationError, root: type[BaseModel]) -> str:
-    """One line for the first problem that pydantic found in a configuration of the model `root`: the key, what is wrong, the remedy."""
+    """Describe in one line the first problem that pydantic found in settings of the model `root`.
+
+    The line is ``config: KEY: PROBLEM; REMEDY (and N more)``.
+    """
     problems = error.errors(include_url=False)
     first = problems[0]
     key = ".".join(str(part) for part in first["loc"] if part != "[key]") or "config"
@@ -63,39 +79,37 @@ def explain(error: ValidationError, root: type[BaseModel]) -> str:
     elif first["type"] == "value_error":
         message = str(first["ctx"]["error"])
     else:
-        remedy = (
-            "write numbers without quotes and as 0.001 or 1.0e-3"
-            if isinstance(first["input"], str)
-            else "set such a value"
-        )
-        message = f"{first['msg'][0].lower()}{first['msg'][1:]}, got {_short(first['input'])}; {remedy} (see config/README.md)"
+        expected = f"{first['msg'][0].lower()}{first['msg'][1:]}"
+        remedy = "set such a value"
+        if isinstance(first["input"], str):
+            remedy = "write numbers without quotes and as 0.001 or 1.0e-3"
+        message = f"{expected}, got {_shorten(first['input'])}; {remedy} (see config/README.md)"
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    return f"config: {_line(key)}: {message}{more}"
+    return f"config: {_escape(key)}: {message}{more}"
 
 
-def _line(key: str) -> str:
-    """A key on one line, whatever it holds."""
+def _escape(key: str) -> str:
+    """Write a key with any characters on one line."""
     return key.encode("unicode_escape").decode("ascii") if not key.isprintable() else key
 
 
-def _short(value: Any) -> str:
+def _shorten(value: Any) -> str:
     try:
         text = repr(value)
-    except ValueError:  # Python writes no whole number of more than 4300 digits
+    except ValueError:  # Python converts no integer of more than 4300 digits
         text = f"a {type(value).__name__} of very many digits"
-    return text if len(text) <= 60 else text[:57] + "..."
+    return text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "..."
 
 
 def _suggest(location: tuple[str | int, ...], root: type[BaseModel]) -> str:
-    """What the unknown key at `location` may have been meant to be."""
+    """Suggest a known key for the unknown one at `location`."""
     model: Any = root
     for part in location[:-1]:
         if isinstance(model, type) and issubclass(model, BaseModel):
             model = model.model_fields[str(part)].annotation
         elif getattr(model, "__args__", None):
             model = model.__args__[-1]
-    known = (
-        list(model.model_fields) if isinstance(model, type) and issubclass(model, BaseModel) else []
-    )
-    close = difflib.get_close_matches(str(location[-1]), known, 1)
-    return f"did you mean {close[0]!r}?" if close else f"known here are {', '.join(known)}"
+    is_model = isinstance(model, type) and issubclass(model, BaseModel)
+    keys = list(model.model_fields) if is_model else []
+    close = difflib.get_close_matches(str(location[-1]), keys, 1)
+    return f"did you mean {close[0]!r}?" if close else f"known here are {', '.join(keys)}"

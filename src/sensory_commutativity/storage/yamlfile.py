@@ -1,7 +1,8 @@
-"""Reading YAML that may come from anywhere: nothing in it is executed, and what would grow without end is refused before it grows.
+"""A YAML reader for untrusted files: it executes nothing and limits size and nesting.
 
-PyYAML's safe loader takes the last of two equal keys without a word, follows aliases that stand for billions of values, and lets through whatever
-Python raises for a value that cannot be. Here each of these is an error with a line number.
+PyYAML's safe loader silently takes the last of two equal keys, follows aliases that expand to
+billions of values, and passes on whatever Python raises for an impossible value. Here each of
+these is an error with a line number.
 """
 
 from __future__ import annotations
@@ -13,119 +14,125 @@ import yaml
 
 from ..errors import UserError
 
-MOST_BYTES = 1_000_000
-"""Of a file; chosen: a hundred times the longest that this project has."""
-MOST_VALUES = 20_000
-"""Keys, values and lists, with every alias written out; chosen: some thousand objects in a scene, read within two seconds."""
-DEEPEST = 40
-"""Levels of nesting; chosen: ten times those of a configuration, and far below where Python gives up."""
+MAX_BYTES = 1_000_000
+"""Size of a file; chosen: a hundred times that of our longest file."""
+MAX_VALUES = 20_000
+"""Keys, values and lists, with all aliases expanded; chosen: enough for thousands of objects in a
+scene, and read within two seconds."""
+MAX_DEPTH = 40
+"""Levels of nesting; chosen: ten times those of a configuration, far below Python's limit."""
 
 
-class _RefusedError(yaml.MarkedYAMLError):
-    """What YAML allows and this package does not; `problem` says what it is and the remedy."""
+class _RejectedError(yaml.MarkedYAMLError):
+    """YAML allows it but this package does not; `problem` says what, and the remedy."""
 
 
 class _Loader(yaml.SafeLoader):
-    """PyYAML's safe loader with those limits."""
+    """PyYAML's safe loader with the limits above."""
 
     def __init__(self, text: str):
         super().__init__(text)
-        self._depth, self._values = 0, 0
+        self._depth = 0
+        self._values = 0
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
-        self._depth, self._values = self._depth + 1, self._values + 1
-        if self._depth > DEEPEST or self._values > MOST_VALUES:
-            problem = (
-                f"more than {DEEPEST} levels deep; nest less"
-                if self._depth > DEEPEST
-                else f"more than {MOST_VALUES:,} values; write fewer"
-            )
-            raise _RefusedError(problem=problem, problem_mark=self.peek_event().start_mark)
+        self._depth += 1
+        self._values += 1
+        if self._depth > MAX_DEPTH or self._values > MAX_VALUES:
+            problem = f"more than {MAX_VALUES:,} values; write fewer"
+            if self._depth > MAX_DEPTH:
+                problem = f"more than {MAX_DEPTH} levels deep; nest less"
+            raise _RejectedError(problem=problem, problem_mark=self.peek_event().start_mark)
         node = super().compose_node(parent, index)
         self._depth -= 1
         return node
 
     def compose_mapping_node(self, anchor: str | None) -> yaml.MappingNode:
         node = super().compose_mapping_node(anchor)
-        seen: dict[tuple[str, str], yaml.Node] = {}
+        keys: dict[tuple[str, str], yaml.Node] = {}
         for key, _ in node.value:
             if isinstance(key, yaml.ScalarNode):
-                first = seen.setdefault((key.tag, key.value), key)
+                first = keys.setdefault((key.tag, key.value), key)
                 if first is not key:
-                    problem = f"the key {key.value!r:.60} is there already in line {first.start_mark.line + 1}; remove one of them"
-                    raise _RefusedError(problem=problem, problem_mark=key.start_mark)
+                    line = first.start_mark.line + 1
+                    problem = f"the key {key.value!r:.60} is already in line {line}; remove one"
+                    raise _RejectedError(problem=problem, problem_mark=key.start_mark)
         return node
 
     def get_single_node(self) -> yaml.Node | None:
         node = super().get_single_node()
         if node is not None:
-            _written_out(node, {})
+            _check_expansion(node, {})
         return node
 
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
         try:
             return super().construct_object(node, deep)
-        except (
-            ArithmeticError,
-            AttributeError,
-            LookupError,
-            TypeError,
-            ValueError,
-        ):  # a date of month 13, a number without digits, and the like
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+            # a date with month 13, a number without digits, and the like
             kind = node.tag.rpartition(":")[2]
-            problem = f"{node.value!s:.40} is no value of the type {kind}; put it in quotes if it is meant as text"
-            raise _RefusedError(problem=problem, problem_mark=node.start_mark) from None
+            problem = (
+                f"{node.value!s:.40} is not a valid {kind}; put it in quotes if it is meant as text"
+            )
+            raise _RejectedError(problem=problem, problem_mark=node.start_mark) from None
 
 
-def _written_out(node: yaml.Node, known: dict[int, tuple[int, int] | None]) -> tuple[int, int]:
-    """How many values a node stands for and how deep they lie, with every alias written out; `known` are the nodes that were looked at."""
-    if id(node) in known:
-        found = known[id(node)]
-        if found is None:
-            raise _RefusedError(
-                problem="a value that holds itself; write it out without the alias",
+def _check_expansion(node: yaml.Node, sizes: dict[int, tuple[int, int] | None]) -> tuple[int, int]:
+    """Count the values and levels of a node with all aliases expanded, and check the limits.
+
+    `sizes` holds those of nodes that were counted before, and None for those being counted.
+    """
+    if id(node) in sizes:
+        size = sizes[id(node)]
+        if size is None:
+            raise _RejectedError(
+                problem="a value that contains itself; write it out without the alias",
                 problem_mark=node.start_mark,
             )
-        return found
-    known[id(node)] = None
+        return size
+    sizes[id(node)] = None
+    children: list[yaml.Node] = []
+    if isinstance(node, yaml.MappingNode):
+        children = [part for pair in node.value for part in pair]
+    elif isinstance(node, yaml.CollectionNode):
+        children = node.value
     values, depth = 1, 0
-    inner = (
-        [part for pair in node.value for part in pair]
-        if isinstance(node, yaml.MappingNode)
-        else node.value
-    )
-    for part in inner if isinstance(node, yaml.CollectionNode) else ():
-        more, below = _written_out(part, known)
-        values, depth = values + more, max(depth, below)
-    if values > MOST_VALUES or depth >= DEEPEST:
-        limit = f"{MOST_VALUES:,} values" if values > MOST_VALUES else f"{DEEPEST} levels"
-        raise _RefusedError(
+    for child in children:
+        child_values, child_depth = _check_expansion(child, sizes)
+        values, depth = values + child_values, max(depth, child_depth)
+    if values > MAX_VALUES or depth >= MAX_DEPTH:
+        limit = f"{MAX_VALUES:,} values" if values > MAX_VALUES else f"{MAX_DEPTH} levels"
+        raise _RejectedError(
             problem=f"aliases that stand for more than {limit}; write out what is meant",
             problem_mark=node.start_mark,
         )
-    known[id(node)] = values, depth + 1
+    sizes[id(node)] = values, depth + 1
     return values, depth + 1
 
 
-def read_yaml(file: str | Path, error: type[UserError], wanted: str) -> Any:
-    """What a YAML file holds.
+def read_yaml(file: str | Path, error: type[UserError], expected: str) -> Any:
+    """Read a YAML file.
 
     Parameters
     ----------
     file : path
     error : type
-        Raised with one line: the file, what is wrong with it, the remedy.
-    wanted : str
+        Raised with one line: the file, what is wrong, the remedy.
+    expected : str
         What the file should be, with an example, for that line.
+
+    Returns
+    -------
+    The value that the file holds: dict, list, str, int, float, bool, date or None.
     """
     try:
         with open(file, "rb") as opened:
-            content = opened.read(MOST_BYTES + 1)
-        if len(content) > MOST_BYTES:
-            raise error(f"{file}: more than {MOST_BYTES:,} bytes; give the path of {wanted}")
+            content = opened.read(MAX_BYTES + 1)
+        if len(content) > MAX_BYTES:
+            raise error(f"{file}: more than {MAX_BYTES:,} bytes; give the path of {expected}")
         return yaml.load(content.decode("utf-8"), Loader=_Loader)
     except FileNotFoundError:
-        raise error(f"{file}: there is no such file; give the path of {wanted}") from None
+        raise error(f"{file}: there is no such file; give the path of {expected}") from None
     except (OSError, UnicodeDecodeError) as problem:
         raise error(
             f"{file}: cannot be read ({problem}); give the path of a readable YAML file"
@@ -133,7 +140,7 @@ def read_yaml(file: str | Path, error: type[UserError], wanted: str) -> Any:
     except yaml.YAMLError as problem:
         mark = getattr(problem, "problem_mark", None)
         where = f" in line {mark.line + 1}" if mark else ""
-        if isinstance(problem, _RefusedError):
+        if isinstance(problem, _RejectedError):
             raise error(f"{file}: not usable{where}: {problem.problem}") from None
         raise error(
             f"{file}: not valid YAML{where}; check indentation, brackets and quotes there"

@@ -1,20 +1,23 @@
-"""Everything that can be told of a configuration before any job."""
+"""Everything about a configuration that can be checked before any job runs."""
 
 from __future__ import annotations
 
+from ..storage.folders import check_writable
+from .apartment.builders import check_apartment
 from .config import Config
+from .flatland.builders import check_rooms
+from .navigation.builders import check_navigation
+from .objects.builders import check_masks
 
 
 def check_run(config: Config) -> None:
-    """Raise UserError for a folder that cannot be written to, a robot or scene that cannot be read, and rooms too small for what is in them."""
-    # imported here: the workflow reads this module before every job, and a job on a cluster need not try all this again
-    from ..storage.folders import check_writable
-    from .apartment.builders import check_apartment
-    from .flatland.builders import check_rooms
-    from .navigation.builders import check_navigation
-    from .objects.builders import check_masks
+    """Check the folder of the results, robots, scenes, and that objects fit into their rooms.
 
-    check_writable(config.folder)
+    Raises
+    ------
+    UserError
+    """
+    check_writable(config.folder, "set the key 'results' to a folder that you may write to")
     check_rooms(config)
     check_apartment(config)
     check_masks(config)

@@ -1,15 +1,16 @@
-"""The whole configuration: what all parts share, and the parts."""
+"""The whole configuration: common settings, and a section for each study."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+from functools import cached_property
 from pathlib import Path, PurePath
 from typing import Annotated
 
 from pydantic import Field, StringConstraints, field_validator, model_validator
 
-from ..storage.settings import Name, Section, known
+from ..storage.settings import Name, Section, check_defined
 from .apartment.config import ApartmentConfig
 from .flatland.config import FlatlandConfig
 from .navigation.config import NavigationConfig
@@ -23,10 +24,11 @@ class Config(Section):
     results: Annotated[str, StringConstraints(pattern=r"^[^{}~*?\x00-\x1f]+$")] = Field(
         "results",
         max_length=200,
-        description="Folder that holds the results of all profiles; no braces, wildcards, ~ or .. in its name.",
+        description="Folder of the results of all profiles; no braces, wildcards, ~ or .. in its "
+        "name.",
     )
     seed: int = Field(
-        ge=0, lt=2**63, description="The root seed; everything random follows from it."
+        ge=0, lt=2**63, description="The root seed; it determines everything random."
     )
     flatland: FlatlandConfig
     apartment: ApartmentConfig
@@ -36,15 +38,16 @@ class Config(Section):
     @model_validator(mode="after")
     def _navigation_is_measured(self) -> Config:
         flatland, navigation = self.flatland, self.navigation
-        known(navigation.world, flatland.worlds, "navigation.world", "flatland.worlds")
-        known(navigation.scp_world, flatland.worlds, "navigation.scp_world", "flatland.worlds")
-        known(navigation.agent, flatland.agents, "navigation.agent", "flatland.agents")
-        if (navigation.scp_world, navigation.agent, flatland.sequence_length) not in [
-            run[:3] for run in flatland.runs()
-        ]:
+        check_defined(navigation.world, flatland.worlds, "navigation.world", "flatland.worlds")
+        check_defined(
+            navigation.scp_world, flatland.worlds, "navigation.scp_world", "flatland.worlds"
+        )
+        check_defined(navigation.agent, flatland.agents, "navigation.agent", "flatland.agents")
+        measured = [run[:3] for run in flatland.runs()]
+        if (navigation.scp_world, navigation.agent, flatland.sequence_length) not in measured:
             raise ValueError(
-                f"navigation needs the SCP of {navigation.agent!r} in {navigation.scp_world!r}, which no section of flatland measures; "
-                "name them in flatland.variants"
+                f"navigation needs the SCP of {navigation.agent!r} in {navigation.scp_world!r}, "
+                "which no section of flatland measures; name them in flatland.variants"
             )
         room = flatland.worlds[navigation.world]
         for zone in navigation.zones:
@@ -53,50 +56,56 @@ class Config(Section):
                 and zone.radius <= zone.y <= room.height - zone.radius
             ):
                 raise ValueError(
-                    f"navigation.zones: the one at ({zone.x:g}, {zone.y:g}) leaves the room {navigation.world!r} of "
-                    f"{room.width:g} x {room.height:g}; move or shrink it"
+                    f"navigation.zones: the one at ({zone.x:g}, {zone.y:g}) leaves the room "
+                    f"{navigation.world!r} of {room.width:g} x {room.height:g}; move or shrink it"
                 )
         return self
 
     @model_validator(mode="after")
     def _masks_are_of_the_apartment(self) -> Config:
         apartment, masks = self.apartment, self.masks
-        known(masks.robot, apartment.robots, "masks.robot", "apartment.robots")
+        check_defined(masks.robot, apartment.robots, "masks.robot", "apartment.robots")
         for key, names in (
             ("data.scene", [masks.data.scene]),
             ("tests.scenes", masks.tests.scenes),
             ("map.scene", [masks.map.scene]),
         ):
             for name in names:
-                known(name, apartment.scenes, f"masks.{key}", "apartment.scenes")
+                check_defined(name, apartment.scenes, f"masks.{key}", "apartment.scenes")
                 if apartment.scenes[name].file is None:
                     raise ValueError(
-                        f"masks.{key} names {name!r}, an empty floor, where nothing can be moved; choose a scene with a file"
+                        f"masks.{key} names {name!r}, an empty floor, where nothing can be moved; "
+                        "choose a scene with a file"
                     )
         if masks.robot != apartment.reference.robot:
             raise ValueError(
-                f"masks.robot is {masks.robot!r}, but the SCPs that choose its degree of freedom are measured of apartment.reference.robot "
-                f"{apartment.reference.robot!r}; set the same"
+                f"masks.robot is {masks.robot!r}, but the SCPs by which its degree of freedom is "
+                f"chosen are those of apartment.reference.robot {apartment.reference.robot!r}; set "
+                "the same"
             )
         return self
 
     @field_validator("results")
     @classmethod
     def _results_are_where_it_says(cls, results: str) -> str:
-        """``a/../b`` is not ``b`` where ``a`` is a link or not there yet, and a command takes ``-a`` for an option."""
+        # a/../b is not b where a is a link or missing; a command would take -a as an option.
         if ".." in PurePath(results).parts or results.startswith("-"):
             raise ValueError(
-                f"{results!r} has a part '..' or begins with '-'; write the folder's whole path, from / if it lies elsewhere"
+                f"{results!r} has a part '..' or begins with '-'; write the full path of the "
+                "folder, from / if it is elsewhere"
             )
         return results
 
     @property
     def folder(self) -> Path:
-        """Where this run's results lie."""
+        """Folder of the results of this run."""
         return Path(self.results) / self.profile
 
+    @cached_property
+    def _digest(self) -> str:
+        settings = json.dumps(self.model_dump(mode="json"), sort_keys=True)
+        return hashlib.sha256(settings.encode()).hexdigest()
+
     def digest(self) -> str:
-        """SHA-256 of all settings, hexadecimal; the same however the file is written."""
-        return hashlib.sha256(
-            json.dumps(self.model_dump(mode="json"), sort_keys=True).encode()
-        ).hexdigest()
+        """SHA-256 of all settings, hexadecimal; independent of how the file is written."""
+        return self._digest

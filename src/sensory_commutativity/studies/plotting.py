@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 
@@ -18,10 +18,9 @@ from matplotlib.animation import PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..storage.provenance import provenance
-from ..storage.tables import atomic_write, read_table
-from .catalogue import ARRAYS, FIGURES, source_file
+from ..storage.atomic import atomic_write
 from .config import Config
+from .provenance import provenance
 
 if TYPE_CHECKING:
     from ..worlds.apartment.robots.robot import Robot
@@ -128,62 +127,58 @@ def dof_label(dof: str, lines: bool = False) -> str:
     return dof.replace("-", "\n" if lines else " ")
 
 
-def draw_figure(name: str, tables: Path, out: Path, config: Config) -> None:
-    """Draw the figure `name` from the tables in a folder; save it as `out` (PNG) and beside it as PDF."""
-    frames = {table: _read(table, tables / source_file(table)) for table in FIGURES[name]}
-    module = importlib.import_module(f".{name}", __package__)
-    with plt.rc_context(_RC):
-        figure = module.draw(frames, config)
-        save(figure, out, config)
+def save_figure(draw: Callable[[], Figure], out: Path, config: Config) -> None:
+    """Draw a figure in the common style; save it as `out` (PNG) and beside it as PDF.
 
-
-def _read(name: str, path: Path):
-    """A table, or arrays and what they come from."""
-    if name not in ARRAYS:
-        return read_table(name, path)
-    from ..storage.arrays import read_arrays, unpack
-
-    arrays, about = read_arrays(path, "examples")
-    width = arrays["pictures"].shape[-2]
-    return arrays | {key: unpack(arrays[key], width) for key in ("masks", "dataset_masks")}, about
-
-
-def save(figure: Figure, out: Path, config: Config) -> None:
-    """Save as PNG and PDF with what they come from, and without the date, so that equal tables give equal files."""
+    The files hold their provenance but no date, so that equal tables give equal files.
+    """
     about = provenance(config)
-    with atomic_write(out) as temporary:
-        figure.savefig(temporary, format="png", metadata={"Software": None, **about})
-    with atomic_write(out.with_suffix(".pdf")) as temporary:
-        figure.savefig(
-            temporary,
-            format="pdf",
-            metadata={
-                "CreationDate": None,
-                "Producer": None,
-                "Creator": None,
-                "Keywords": json.dumps(about),
-            },
-        )
+    with plt.rc_context(_RC):
+        figure = draw()
+        with atomic_write(out) as temporary:
+            figure.savefig(temporary, format="png", metadata={"Software": None, **about})
+        with atomic_write(out.with_suffix(".pdf")) as temporary:
+            nothing = dict.fromkeys(("CreationDate", "Producer", "Creator"))
+            metadata = {**nothing, "Keywords": json.dumps(about)}
+            figure.savefig(temporary, format="pdf", metadata=metadata)
     plt.close(figure)
 
 
 class Film(PillowWriter):
-    """Writes a GIF with what it comes from as its comment."""
+    """Context manager that writes a GIF, with its provenance as the comment.
 
-    def __init__(self, fps: int, config: Config):
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        What :meth:`grab_frame` captures; closed at the end.
+    out : Path
+    config : Config
+    fps : int
+    dpi : int
+    """
+
+    def __init__(self, figure: Figure, out: Path, config: Config, fps: int, dpi: int):
         super().__init__(fps=fps)
-        self._about = json.dumps(provenance(config))
+        self._figure, self._dpi = figure, dpi
+        self._comment = json.dumps(provenance(config))
+        self._writing = atomic_write(out)
+
+    def __enter__(self) -> Film:
+        self.setup(self._figure, str(self._writing.__enter__()), dpi=self._dpi)
+        return self
+
+    def __exit__(self, kind: Any, error: Any, traceback: Any) -> None:
+        if kind is None:
+            self.finish()
+        self._writing.__exit__(kind, error, traceback)
+        plt.close(self._figure)
 
     def finish(self) -> None:
         first, *others = self._frames
         first.save(
-            self.outfile,
-            save_all=True,
-            append_images=others,
-            duration=int(1000 / self.fps),
-            loop=0,
-            comment=self._about,
-        )
+            self.outfile, format="GIF", save_all=True, append_images=others,
+            duration=int(1000 / self.fps), loop=0, comment=self._comment,
+        )  # fmt: skip
 
 
 def reference_rows(scp: pd.DataFrame, config: Config, threshold: float = 0.0) -> pd.DataFrame:

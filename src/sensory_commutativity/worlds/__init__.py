@@ -1,1 +1,1 @@
-"""Where the experiment is played. Nothing outside this package imports a physics engine."""
+"""Worlds in which the experiment is played. No other package imports a physics engine."""

@@ -1,0 +1,1 @@
+"""Models that see what moved between two pictures."""

@@ -1,4 +1,7 @@
-"""The baseline below all models: an image difference that tolerates small shifts and changes of exposure. It learns nothing."""
+"""The baseline of all models: an image difference that tolerates small shifts and exposure.
+
+It has no weights and is not trained.
+"""
 
 from __future__ import annotations
 
@@ -6,26 +9,43 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 
 SHIFT = 1
-"""Pixels by which content may be displaced without counting as a change; as far as the jitter of a camera goes."""
+"""Pixels by which content may be displaced without counting as a change: the camera's jitter."""
 SCALE = 24.0
-"""Grey levels of difference that make a probability of a half; chosen: well above noise and exposure."""
+"""Difference in grey levels that gives a probability of .5; chosen: well above noise and
+exposure."""
 SLOPE = 8.0
+"""Grey levels by which the difference must exceed SCALE for log-odds of 1; chosen."""
+DIFFERENT_FRACTION = 0.35
+"""Fraction of changed pixels above which the whole pair counts as different; chosen."""
 
 
-def difference(pictures: np.ndarray) -> np.ndarray:
-    """Probability of change at every pixel of both pictures: float32 (n, 2, h, w), of pictures uint8 (n, 2, h, w, 3)."""
-    found = np.empty(pictures.shape[:4], np.float32)
-    for n, (first, second) in enumerate(pictures.astype(np.float32)):
+def image_difference(pictures: np.ndarray) -> np.ndarray:
+    """Return change probabilities, float32 (n, 2, h, w), of pictures, uint8 (n, 2, h, w, 3).
+
+    The difference at a pixel is the smallest to any pixel within SHIFT in the other view.
+    """
+    probabilities = np.empty(pictures.shape[:4], np.float32)
+    for pair, (first, second) in zip(probabilities, pictures.astype(np.float32), strict=True):
         gain = np.median((first.mean((0, 1)) + 1) / (second.mean((0, 1)) + 1))
-        for k, (a, b) in enumerate(((first, second * gain), (second * gain, first))):
-            least = np.full(a.shape[:2], np.inf, np.float32)
-            padded = np.pad(b, ((SHIFT, SHIFT), (SHIFT, SHIFT), (0, 0)), mode="edge")
-            for dy in range(2 * SHIFT + 1):
-                for dx in range(2 * SHIFT + 1):
-                    shifted = padded[dy : dy + a.shape[0], dx : dx + a.shape[1]]
-                    least = np.minimum(least, np.abs(a - shifted).max(-1))
-            smooth = uniform_filter(least, 3)
-            found[n, k] = 1 / (1 + np.exp(-(smooth - SCALE) / SLOPE))
-        if (found[n] > 0.5).mean() > 0.35:  # most of the picture changed: another view
-            found[n] = np.maximum(found[n], 0.9)
-    return found
+        views = first, second * gain
+        for k, (view, reference) in enumerate((views, views[::-1])):
+            smooth = uniform_filter(_smallest_difference(view, reference), 3)
+            pair[k] = 1 / (1 + np.exp(-(smooth - SCALE) / SLOPE))
+        if (pair > 0.5).mean() > DIFFERENT_FRACTION:
+            pair[:] = np.maximum(pair, 0.9)
+    return probabilities
+
+
+def _smallest_difference(view: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """Largest colour difference of each pixel to the most similar one nearby in a reference.
+
+    Pictures float32 (h, w, 3), differences float32 (h, w).
+    """
+    height, width = view.shape[:2]
+    smallest = np.full((height, width), np.inf, np.float32)
+    padded = np.pad(reference, ((SHIFT, SHIFT), (SHIFT, SHIFT), (0, 0)), mode="edge")
+    for dy in range(2 * SHIFT + 1):
+        for dx in range(2 * SHIFT + 1):
+            shifted = padded[dy : dy + height, dx : dx + width]
+            smallest = np.minimum(smallest, np.abs(view - shifted).max(-1))
+    return smallest

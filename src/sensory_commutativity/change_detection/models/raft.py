@@ -1,20 +1,29 @@
-"""RAFT with a head for two masks: its building blocks, other glue (Teed and Deng 2020; paper, section IV-A).
+"""RAFT that predicts two masks: its building blocks, connected for masks in place of flow.
 
-Flow has two channels, and so have two masks. The state that is refined is therefore the two masks' logits at an eighth of the resolution, from 0.
-What differs from flow: masks live each in its own picture's frame, so correlations are looked up at the pixel itself, which does not move, once.
-The second mask depends on the second picture as the first does on the first, so correlations and context are of both, and of how they differ. And
-masks have sharp edges, flow mostly not: after the last refinement one more, at a quarter and then at half of the resolution, looks at both pictures,
-their features there and how much they differ. One encoder serves for features and context; as in the small RAFT, refinements are brought to full
-size bilinearly.
+Teed and Deng 2020, "RAFT: Recurrent All-Pairs Field Transforms for Optical Flow",
+https://arxiv.org/abs/2003.12039; paper, section IV-A. Flow has two channels, and so have the logits
+of two masks: they are the state that is refined, from 0, at an eighth of the resolution. The
+differences from RAFT:
+
+- Each mask lives in the frame of its own picture. Correlations are therefore looked up around the
+  pixel itself, once, and not around a position that moves with the flow.
+- The second mask depends on the second picture as the first does on the first. Correlations and
+  context are therefore computed from both pictures and their difference.
+- Masks have sharp edges, flow mostly has not. A last refinement at a quarter and at half of the
+  resolution sees both pictures, their features and their difference.
+- One encoder computes both features and context.
+
+As in the small RAFT, logits are upsampled bilinearly.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import torch
+import torch.nn.functional as F
 from torch import Tensor, nn
-from torch.nn import functional
 from torchvision.models.optical_flow.raft import (
     CorrBlock,
     FeatureEncoder,
@@ -26,37 +35,43 @@ from torchvision.models.optical_flow.raft import (
 )
 
 STRIDE = 8
-DIFFERENCES = 2
-"""Channels of :func:`least_differences`."""
+"""Pixels of the pictures per pixel of the refined logits, as in RAFT."""
+DIFFERENCE_CHANNELS = 2
+"""Channels of :func:`smallest_differences`."""
+STATE_CHANNELS = 32
+"""Channels of the recurrent state that the refinement at a quarter sees; chosen."""
+QUARTER_STATE_CHANNELS = 16
+"""Channels of the quarter's features that the refinement at half sees; chosen."""
 
 
 class MaskRaft(nn.Module):
-    """Two pictures to the logits of two masks, refined several times.
+    """Predicts the logits of two masks and refines them several times.
 
     Parameters
     ----------
-    widths : tuple of int
-        Channels of the encoder's five stages: at half, a quarter, and three times an eighth of the resolution; the third and fourth are equal.
+    widths : sequence of int
+        Channels of the encoder's five stages: at half, at a quarter, and three times at an eighth
+        of the resolution; the third and fourth are equal.
     hidden, context : int
         Channels of the recurrent state and of the context.
     levels, radius : int
-        Of the correlation pyramid.
+        Levels of the correlation pyramid, and radius of the look-up in each.
     updates : int
         Refinements at an eighth of the resolution.
-    fine, sharp : int
-        Channels of the last one, at a quarter and at half of it.
+    quarter_channels, half_channels : int
+        Channels of the last refinement at a quarter and at half of the resolution.
     """
 
     def __init__(
         self,
-        widths=(32, 32, 80, 80, 96),
+        widths: Sequence[int] = (32, 32, 80, 80, 96),
         hidden: int = 64,
         context: int = 64,
         levels: int = 3,
         radius: int = 3,
         updates: int = 3,
-        fine: int = 48,
-        sharp: int = 24,
+        quarter_channels: int = 48,
+        half_channels: int = 24,
     ):
         super().__init__()
         self.architecture = dict(
@@ -66,165 +81,197 @@ class MaskRaft(nn.Module):
             levels=levels,
             radius=radius,
             updates=updates,
-            fine=fine,
-            sharp=sharp,
+            quarter_channels=quarter_channels,
+            half_channels=half_channels,
         )
-        self.hidden, self.updates = hidden, updates
-        affine = partial(nn.InstanceNorm2d, affine=True)
+        self.hidden = hidden
+        self.updates = updates
         self.encoder = FeatureEncoder(
-            block=ResidualBlock, layers=tuple(widths), strides=(2, 2, 2, 1), norm_layer=affine
+            block=ResidualBlock,
+            layers=tuple(widths),
+            strides=(2, 2, 2, 1),
+            norm_layer=partial(nn.InstanceNorm2d, affine=True),
         )
         self.fusion = nn.Conv2d(3 * widths[4], hidden + context, 3, 1, 1)
         self.global_context = nn.Conv2d(context, context, 1)
         self.correlation = CorrBlock(num_levels=levels, radius=radius)
-        motion = MotionEncoder(
-            in_channels_corr=2 * self.correlation.out_channels,
-            corr_layers=(64,),
-            flow_layers=(32, 16),
-            out_channels=48,
-        )
-        recurrent = RecurrentBlock(
-            input_size=motion.out_channels + context,
-            hidden_size=hidden,
-            kernel_size=(3,),
-            padding=(1,),
-        )
-        self.update = UpdateBlock(
-            motion_encoder=motion,
-            recurrent_block=recurrent,
-            flow_head=FlowHead(in_channels=hidden, hidden_size=64),
-        )
-        seen = (
-            3 * widths[1] + 2 * 16 + 2 * DIFFERENCES + 32
-        )  # features, logits, differences, what the state knows
-        self.state_projection = nn.Conv2d(hidden, 32, 1)
-        self.refine_quarter = nn.Sequential(
-            _mixing(seen, fine), _convolution(fine), _convolution(fine), _convolution(fine)
-        )
-        seen = (
-            3 * widths[0] + 3 * 12 + 2 * 4 + DIFFERENCES + 16
-        )  # features, pictures, logits, differences, what the quarter knows
-        self.quarter_projection = nn.Conv2d(fine, 16, 1)
-        self.refine_half = nn.Sequential(
-            _mixing(seen, sharp), _convolution(sharp), nn.Conv2d(sharp, 8, 3, 1, 1)
-        )
+        self.update = _update_block(2 * self.correlation.out_channels, hidden, context)
+        self.state_projection = nn.Conv2d(hidden, STATE_CHANNELS, 1)
+        self.refine_quarter = _quarter_refinement(widths[1], quarter_channels)
+        self.quarter_projection = nn.Conv2d(quarter_channels, QUARTER_STATE_CHANNELS, 1)
+        self.refine_half = _half_refinement(widths[0], half_channels)
 
     def forward(self, first: Tensor, second: Tensor) -> list[Tensor]:
-        """Pictures float (n, 3, h, w) in [-1, 1], sides divisible by 8 and at least 64: logits after each refinement, float (n, 2, h, w)."""
-        n = len(first)
-        shallow = self.encoder.convnormrelu(torch.cat([first, second]))
-        middle = self.encoder.layer1(shallow)
-        deep = self.encoder.conv(self.encoder.layer3(self.encoder.layer2(middle)))
-        correlations = self._correlations(*deep.float().chunk(2))
-        state, context = self._initial(deep)
-        logits = torch.zeros(n, 2, *deep.shape[2:], device=first.device)
-        found = []
+        """Predict the logits of both masks after each refinement.
+
+        Parameters
+        ----------
+        first, second : float (n, 3, h, w)
+            Pictures in [-1, 1]; height and width are multiples of 8, at least 64.
+
+        Returns
+        -------
+        list of float32 (n, 2, h, w)
+            ``updates + 1`` predictions, the best one last.
+        """
+        fmap_half = self.encoder.convnormrelu(torch.cat([first, second]))  # (2 n, c, h / 2, w / 2)
+        fmap_quarter = self.encoder.layer1(fmap_half)  # (2 n, c, h / 4, w / 4)
+        fmap = self.encoder.layer3(self.encoder.layer2(fmap_quarter))
+        fmap = self.encoder.conv(fmap)  # (2 n, c, h / 8, w / 8)
+        fmap1, fmap2 = fmap.float().chunk(2)
+        corr = self._correlate(fmap1, fmap2)
+        net, inp = self._initial_state(fmap)
+        logits = torch.zeros(len(first), 2, *fmap.shape[2:], device=first.device)
+        predictions = []
         for _ in range(self.updates):
             logits = logits.detach()
-            state, change = self.update(
-                state, context, correlations.to(state.dtype), logits.to(state.dtype)
+            net, delta = self.update(net, inp, corr.to(net.dtype), logits.to(net.dtype))
+            logits = logits + delta.float()
+            predictions.append(
+                F.interpolate(logits, scale_factor=STRIDE, mode="bilinear", align_corners=False)
             )
-            logits = logits + change.float()
-            found.append(
-                functional.interpolate(
-                    logits, scale_factor=STRIDE, mode="bilinear", align_corners=False
-                )
-            )
-        return [
-            *found,
-            found[-1] + self._refined(first, second, shallow, middle, state, found[-1].detach()),
-        ]
+        coarse = predictions[-1]
+        delta = self._refine(first, second, fmap_half, fmap_quarter, net, coarse.detach())
+        return [*predictions, coarse + delta]
 
-    def _initial(self, deep: Tensor) -> tuple[Tensor, Tensor]:
-        """The first state and the context."""
-        both = self.fusion(torch.cat(_compared(deep), 1))
-        context = functional.relu(both[:, self.hidden :])
-        context = context + self.global_context(
-            context.mean((2, 3), keepdim=True)
-        )  # another view is another view at every pixel
-        return torch.tanh(both[:, : self.hidden]), context
+    def _initial_state(self, fmap: Tensor) -> tuple[Tensor, Tensor]:
+        """Recurrent state and context, float (n, c, h / 8, w / 8), of both pictures' features."""
+        fused = self.fusion(torch.cat(concat_abs_diff(fmap), 1))
+        inp = F.relu(fused[:, self.hidden :])
+        # whether the views differ altogether is the same for every pixel
+        inp = inp + self.global_context(inp.mean((2, 3), keepdim=True))
+        return torch.tanh(fused[:, : self.hidden]), inp
 
-    def _correlations(self, one: Tensor, other: Tensor) -> Tensor:
-        """Of every pixel's features with those around it in the other picture, both ways, in full precision: float (n, c, h, w)."""
-        with torch.autocast(one.device.type, enabled=False):
-            n, _, height, width = one.shape
-            rows, columns = torch.meshgrid(
-                torch.arange(height, device=one.device),
-                torch.arange(width, device=one.device),
+    def _correlate(self, fmap1: Tensor, fmap2: Tensor) -> Tensor:
+        """Correlate each pixel with those around it in the other picture, in both directions.
+
+        In full precision, as in RAFT: float32 (n, c, h / 8, w / 8).
+        """
+        with torch.autocast(fmap1.device.type, enabled=False):
+            n, _, height, width = fmap1.shape
+            y, x = torch.meshgrid(
+                torch.arange(height, device=fmap1.device),
+                torch.arange(width, device=fmap1.device),
                 indexing="ij",
             )
-            here = torch.stack([columns, rows]).float()[None].expand(n, -1, -1, -1)
-            found = []
-            for a, b in ((one, other), (other, one)):
-                self.correlation.build_pyramid(a, b)
-                found.append(self.correlation.index_pyramid(here))
-        return torch.cat(found, 1)
+            coords = torch.stack([x, y]).float()[None].expand(n, -1, -1, -1)
+            features = []
+            for query, target in ((fmap1, fmap2), (fmap2, fmap1)):
+                self.correlation.build_pyramid(query, target)
+                features.append(self.correlation.index_pyramid(coords))
+        return torch.cat(features, 1)
 
-    def _refined(
+    def _refine(
         self,
         first: Tensor,
         second: Tensor,
-        shallow: Tensor,
-        middle: Tensor,
-        state: Tensor,
+        fmap_half: Tensor,
+        fmap_quarter: Tensor,
+        net: Tensor,
         logits: Tensor,
     ) -> Tensor:
-        """What the last refinement adds to the logits: float (n, 2, h, w)."""
-        kind = state.dtype
-        differences = least_differences(first, second).to(kind)
-        coarser = [functional.max_pool2d(differences, 2), functional.avg_pool2d(differences, 2)]
-        known = _doubled(self.state_projection(state))
-        quarter = self.refine_quarter(
-            torch.cat(
-                [
-                    *_compared(middle),
-                    functional.pixel_unshuffle(logits, 4).to(kind),
-                    *coarser,
-                    known,
-                ],
-                1,
-            )
-        )
-        pictures = functional.pixel_unshuffle(torch.cat([first, second]), 2).to(kind)
-        known = _doubled(self.quarter_projection(quarter))
-        seen = [
-            *_compared(shallow),
-            *_compared(pictures),
-            functional.pixel_unshuffle(logits, 2).to(kind),
-            differences,
-            known,
+        """What the refinement at a quarter and at half adds to the logits: float32 (n, 2, h, w)."""
+        dtype = net.dtype
+        differences = smallest_differences(first, second).to(dtype)  # (n, 2, h / 2, w / 2)
+        quarter_inputs = [
+            *concat_abs_diff(fmap_quarter),
+            F.pixel_unshuffle(logits, 4).to(dtype),
+            F.max_pool2d(differences, 2),
+            F.avg_pool2d(differences, 2),
+            upsample2x(self.state_projection(net)),
         ]
-        return functional.pixel_shuffle(self.refine_half(torch.cat(seen, 1)).float(), 2)
+        quarter = self.refine_quarter(torch.cat(quarter_inputs, 1))  # (n, c, h / 4, w / 4)
+        pictures = F.pixel_unshuffle(torch.cat([first, second]), 2).to(dtype)
+        half_inputs = [
+            *concat_abs_diff(fmap_half),
+            *concat_abs_diff(pictures),
+            F.pixel_unshuffle(logits, 2).to(dtype),
+            differences,
+            upsample2x(self.quarter_projection(quarter)),
+        ]
+        half = self.refine_half(torch.cat(half_inputs, 1))  # (n, 8, h / 2, w / 2)
+        return F.pixel_shuffle(half.float(), 2)
 
 
-def least_differences(first: Tensor, second: Tensor) -> Tensor:
-    """How much each pixel of either picture, at half the resolution, differs from whatever is most alike within a pixel of it in the other.
+def smallest_differences(first: Tensor, second: Tensor) -> Tensor:
+    """Difference of each pixel to the most similar one nearby in the other picture.
 
-    Pictures float (n, 3, h, w): float (n, 2, h / 2, w / 2). What a camera's jitter displaces differs little, what moved differs.
+    Pictures are halved, and pixels up to one pixel away are compared. Content that the camera's
+    jitter displaces differs little, what moved differs much.
+
+    Parameters
+    ----------
+    first, second : float (n, 3, h, w)
+
+    Returns
+    -------
+    float (n, 2, h / 2, w / 2)
+        Sums of absolute differences over the colour channels, for either picture.
     """
-    one, other = functional.avg_pool2d(first, 2), functional.avg_pool2d(second, 2)
-    height, width = one.shape[2:]
-    found = []
-    for a, b in ((one, other), (other, one)):
-        padded = functional.pad(b, (1, 1, 1, 1), mode="replicate")
-        around = [padded[:, :, y : y + height, x : x + width] for y in range(3) for x in range(3)]
-        found.append(torch.stack([(a - shifted).abs().sum(1) for shifted in around]).amin(0))
-    return torch.stack(found, 1)
+    views = F.avg_pool2d(first, 2), F.avg_pool2d(second, 2)
+    height, width = views[0].shape[2:]
+    smallest = []
+    for view, reference in (views, views[::-1]):
+        padded = F.pad(reference, (1, 1, 1, 1), mode="replicate")
+        shifts = [padded[:, :, y : y + height, x : x + width] for y in range(3) for x in range(3)]
+        distances = torch.stack([(view - shifted).abs().sum(1) for shifted in shifts])
+        smallest.append(distances.amin(0))
+    return torch.stack(smallest, 1)
 
 
-def _compared(both: Tensor) -> list[Tensor]:
-    """What is stacked for both pictures, float (2 n, c, h, w), side by side with how it differs: three of float (n, c, h, w)."""
-    one, other = both.chunk(2)
-    return [one, other, (one - other).abs()]
+def concat_abs_diff(both: Tensor) -> list[Tensor]:
+    """Split what is stacked for both pictures, and append the absolute difference.
+
+    (2 n, c, h, w) becomes three tensors of (n, c, h, w), to be concatenated along the channels.
+    """
+    first, second = both.chunk(2)
+    return [first, second, (first - second).abs()]
 
 
-def _doubled(x: Tensor) -> Tensor:
-    return functional.interpolate(x, scale_factor=2, mode="bilinear", align_corners=False)
+def upsample2x(x: Tensor) -> Tensor:
+    """Double height and width of (n, c, h, w) bilinearly."""
+    return F.interpolate(x, scale_factor=2, mode="bilinear", align_corners=False)
 
 
-def _mixing(inputs: int, outputs: int) -> nn.Sequential:
-    return nn.Sequential(nn.Conv2d(inputs, outputs, 1), nn.ReLU())
+def _update_block(corr_channels: int, hidden: int, context: int) -> UpdateBlock:
+    """RAFT's update block in the sizes of this model."""
+    motion = MotionEncoder(
+        in_channels_corr=corr_channels, corr_layers=(64,), flow_layers=(32, 16), out_channels=48
+    )
+    recurrent = RecurrentBlock(
+        input_size=motion.out_channels + context,
+        hidden_size=hidden,
+        kernel_size=(3,),
+        padding=(1,),
+    )
+    return UpdateBlock(
+        motion_encoder=motion,
+        recurrent_block=recurrent,
+        flow_head=FlowHead(in_channels=hidden, hidden_size=64),
+    )
 
 
-def _convolution(channels: int) -> nn.Sequential:
-    return nn.Sequential(nn.Conv2d(channels, channels, 3, 1, 1), nn.ReLU())
+def _quarter_refinement(feature_channels: int, channels: int) -> nn.Sequential:
+    features = 3 * feature_channels
+    logits = 2 * 4**2  # pixel_unshuffle by 4
+    differences = 2 * DIFFERENCE_CHANNELS  # their maximum and mean
+    return nn.Sequential(
+        _conv(features + logits + differences + STATE_CHANNELS, channels, 1),
+        *(_conv(channels, channels, 3) for _ in range(3)),
+    )
+
+
+def _half_refinement(feature_channels: int, channels: int) -> nn.Sequential:
+    features = 3 * feature_channels
+    pictures = 3 * (3 * 2**2)  # pixel_unshuffle by 2
+    logits = 2 * 2**2
+    inputs = features + pictures + logits + DIFFERENCE_CHANNELS + QUARTER_STATE_CHANNELS
+    return nn.Sequential(
+        _conv(inputs, channels, 1),
+        _conv(channels, channels, 3),
+        nn.Conv2d(channels, 2 * 2**2, 3, 1, 1),  # pixel_shuffle makes two masks of it
+    )
+
+
+def _conv(inputs: int, outputs: int, kernel: int) -> nn.Sequential:
+    return nn.Sequential(nn.Conv2d(inputs, outputs, kernel, 1, kernel // 2), nn.ReLU())

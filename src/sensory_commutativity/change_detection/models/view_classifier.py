@@ -1,10 +1,11 @@
-"""In which of two pictures is what moved? A small network that judges each connected place as a whole.
+"""View classifier: which of the two views of a changed region shows something that moved?
 
-A place is here a connected part of the picture, the same in both views. Models see well where something changed, and less well in which of the two
-views it is: part of a thing, or all of it, is put into the view that shows what is behind it. To tell takes the whole place at once: a thing has an
-outline and colours of its own, and what is behind it goes on under that outline. So of each connected place that has changed the judge sees a
-close-up of both pictures and of what the model made of them, and says of each view whether it shows nothing there that moved. It learns from pairs
-that the model is shown (:mod:`.judging`).
+Models find well where something changed, and less well in which of the two views it is: part of
+an object, or all of it, is put into the view that shows what is behind it. The whole region tells
+more: an object has an outline and colours of its own, and the background continues under that
+outline. The view classifier therefore sees a crop of both pictures and of both masks around each
+connected region that changed, and predicts for each view whether nothing in it moved.
+:mod:`..training.view_classifier_trainer` trains it on regions that the model finds.
 """
 
 from __future__ import annotations
@@ -15,98 +16,116 @@ from scipy.ndimage import find_objects, label
 from torch import Tensor, nn
 from torchvision.ops import roi_align
 
-from ..decision import MASK
+from ..decision import MASK_THRESHOLD
 
-SIDE = 48
-"""Pixels of a close-up, in height and width; chosen on development tuples against 32 (docs/differences.md)."""
-ROOM, LEAST = 1.7, 16
-"""A close-up shows so many times the longer side of a place, so that its surroundings are in sight, and so many pixels of the pictures at least;
-chosen, not tuned."""
-CHANNELS = 9
-"""Of a close-up: red, green and blue of either picture in [-1, 1], the map of either view and the place in [0, 1]; 0 outside of the picture."""
-EMPTY = 0.5
-"""Probability from which a view is taken to show nothing that moved."""
-_SQUARE = np.ones((3, 3))
+CROP_SIZE = 48
+"""Pixels: height and width of a crop; chosen on development tuples against 32."""
+CROP_CHANNELS = 9
+"""Channels of a crop: RGB of either picture in [-1, 1], the probabilities of either view and the
+region in [0, 1]; 0 outside of the picture."""
+CONTEXT_FACTOR = 1.7
+"""Extent of a crop in longer sides of its region, so that it shows surroundings; chosen."""
+MIN_EXTENT = 16
+"""Smallest extent of a crop, in pixels of the pictures; chosen."""
+EMPTY_THRESHOLD = 0.5
+"""Probability above which a view is taken to show nothing that moved."""
+_EIGHT_CONNECTED = np.ones((3, 3))
 
 
 class ViewClassifier(nn.Module):
-    """Close-ups to logits that a view shows nothing that moved there; one network for either view, which sees the other beside it.
+    """Maps crops to the logits that a view shows nothing that moved.
+
+    Both views pass through the same layers; the last layer sees the features of both.
 
     Parameters
     ----------
     width : int
-        Channels of its first two convolutions; the next two have twice, the last two three times as many.
+        Channels of the first two convolutions; the next two have twice, the last two three times
+        as many.
     """
 
     def __init__(self, width: int = 32):
         super().__init__()
         self.architecture = dict(width=width)
-        shrink = nn.MaxPool2d(2)
-        first, second = _stage(CHANNELS + 3, width), _stage(width, 2 * width)
-        third = _stage(2 * width, 3 * width)
-        self.view = nn.Sequential(
-            *first, shrink, *second, shrink, *third, nn.AdaptiveAvgPool2d(1), nn.Flatten()
+        # of a view: the crop, and the absolute difference of the pictures
+        self.encoder = nn.Sequential(
+            *_conv_block(CROP_CHANNELS + 3, width),
+            nn.MaxPool2d(2),
+            *_conv_block(width, 2 * width),
+            nn.MaxPool2d(2),
+            *_conv_block(2 * width, 3 * width),
+            nn.AdaptiveAvgPool2d(1),
+            nn.Flatten(),
         )
-        self.verdict = nn.Sequential(nn.Dropout(0.3), nn.Linear(6 * width, 1))
+        self.classifier = nn.Sequential(nn.Dropout(0.3), nn.Linear(6 * width, 1))
 
-    def forward(self, crop_regions: Tensor) -> Tensor:
-        """float (k, CHANNELS, SIDE, SIDE): float (k, 2)."""
-        first, second, maps, place = crop_regions.split((3, 3, 2, 1), 1)
+    def forward(self, crops: Tensor) -> Tensor:
+        """Map crops, float (k, CROP_CHANNELS, CROP_SIZE, CROP_SIZE), to logits, float (k, 2)."""
+        first, second, maps, region = crops.split((3, 3, 2, 1), 1)
         difference = (first - second).abs()
         views = [
-            (first, second, difference, maps, place),
-            (second, first, difference, maps.flip(1), place),
+            torch.cat((first, second, difference, maps, region), 1),
+            torch.cat((second, first, difference, maps.flip(1), region), 1),
         ]
-        seen = self.view(torch.cat([torch.cat(view, 1) for view in views]))
-        one, other = seen.chunk(2)
-        return torch.cat(
-            [self.verdict(torch.cat(both, 1)) for both in ((one, other), (other, one))], 1
-        )
+        features1, features2 = self.encoder(torch.cat(views)).chunk(2)  # (k, 3 width) each
+        logits = [
+            self.classifier(torch.cat((features1, features2), 1)),
+            self.classifier(torch.cat((features2, features1), 1)),
+        ]
+        return torch.cat(logits, 1)
 
 
 def changed_regions(maps: np.ndarray) -> list[np.ndarray]:
-    """Connected places that have changed in either view, bool (h, w) each, of maps float (2, h, w); none where all seems different."""
-    if maps.mean() > MASK:
+    """Return the connected regions that changed in either view, bool (h, w) each.
+
+    `maps` are the probabilities of a pair, float (2, h, w). A pair that is different everywhere
+    has no regions.
+    """
+    if maps.mean() > MASK_THRESHOLD:
         return []
-    parts, n = label((maps > MASK).any(0), _SQUARE)
-    return [parts == k + 1 for k in range(n)]
+    components, n = label((maps > MASK_THRESHOLD).any(0), _EIGHT_CONNECTED)
+    return [components == k + 1 for k in range(n)]
 
 
-def crop_regions(maps: np.ndarray, pictures: np.ndarray, places: list[np.ndarray]) -> Tensor:
-    """What the judge sees of places, at least one, of one pair.
+def crop_regions(maps: np.ndarray, pictures: np.ndarray, regions: list[np.ndarray]) -> Tensor:
+    """Crop a pair around each of its regions, by RoIAlign.
 
     Parameters
     ----------
     maps : float (2, h, w)
+        Probabilities.
     pictures : uint8 (2, h, w, 3)
-    places : list of bool (h, w)
+    regions : list of bool (h, w)
+        At least one.
 
     Returns
     -------
-    float32 (k, CHANNELS, SIDE, SIDE)
+    float32 (k, CROP_CHANNELS, CROP_SIZE, CROP_SIZE)
     """
-    shown = np.concatenate(
-        [pictures.transpose(0, 3, 1, 2).reshape(6, *maps.shape[1:]) / 127.5 - 1, maps]
+    height, width = maps.shape[1:]
+    rgb = pictures.transpose(0, 3, 1, 2).reshape(6, height, width) / 127.5 - 1
+    shared = np.concatenate([rgb, maps])  # (8, h, w)
+    layers = np.stack([np.concatenate([shared, region[None]]) for region in regions])
+    boxes = [[k, *_crop_box(region)] for k, region in enumerate(regions)]
+    return roi_align(
+        torch.from_numpy(layers.astype(np.float32)),
+        torch.tensor(boxes, dtype=torch.float32),
+        CROP_SIZE,
+        aligned=True,
     )
-    layers = torch.from_numpy(
-        np.stack([np.concatenate([shown, place[None]]) for place in places]).astype(np.float32)
-    )
-    boxes = torch.tensor(
-        [[k, *_square(place)] for k, place in enumerate(places)], dtype=torch.float32
-    )
-    return roi_align(layers, boxes, SIDE, aligned=True)
 
 
 def refine_masks(
-    judge: ViewClassifier, probabilities: np.ndarray, pictures: np.ndarray
+    view_classifier: nn.Module, probabilities: np.ndarray, pictures: np.ndarray
 ) -> np.ndarray:
-    """Maps without doubts about which view a thing is in.
+    """Settle for each changed region which views show something that moved.
 
-    Where the judge finds that a view shows nothing, all of the place goes to the other view; where it finds so of both, to neither.
+    If one view is classified as empty, the other gets the whole region, and the empty one none of
+    it. If both are, the region is removed; if none is, it is left as it is.
 
     Parameters
     ----------
-    judge : ViewClassifier
+    view_classifier : ViewClassifier
     probabilities : float (n, 2, h, w)
     pictures : uint8 (n, 2, h, w, 3)
 
@@ -114,46 +133,48 @@ def refine_masks(
     -------
     float (n, 2, h, w)
     """
-    found = probabilities.copy()
-    for maps, pair in zip(found, pictures, strict=True):
-        places = changed_regions(maps)
-        if not places:
+    refined = probabilities.copy()
+    for maps, pair in zip(refined, pictures, strict=True):
+        regions = changed_regions(maps)
+        if not regions:
             continue
-        for place, empty in zip(
-            places, emptiness(judge, crop_regions(maps, pair, places)) > EMPTY, strict=True
-        ):
+        is_empty = predict_empty(view_classifier, crop_regions(maps, pair, regions))
+        for region, empty in zip(regions, is_empty > EMPTY_THRESHOLD, strict=True):
             if empty.any():
-                maps[:, place] = np.where(empty[:, None], 0, maps[:, place].max(0))
-    return found
+                maps[:, region] = np.where(empty[:, None], 0, maps[:, region].max(0))
+    return refined
 
 
-def emptiness(judge: ViewClassifier, seen: Tensor) -> np.ndarray:
-    """Probability that a view shows nothing that moved, float (k, 2), of close-ups as they are and as in a mirror."""
-    seen = seen.to(next(judge.parameters()).device)
+def predict_empty(view_classifier: nn.Module, crops: Tensor) -> np.ndarray:
+    """Predict the probability that a view shows nothing that moved: float32 (k, 2).
+
+    Logits are averaged over the crops and their mirror images.
+    """
+    crops = crops.to(next(view_classifier.parameters()).device)
     with torch.inference_mode():
-        logits = (judge(seen) + judge(seen.flip(-1))) / 2
+        logits = (view_classifier(crops) + view_classifier(crops.flip(-1))) / 2
     return torch.sigmoid(logits).cpu().numpy()
 
 
-def exchanged(seen: Tensor) -> Tensor:
-    """Close-ups, float (k, CHANNELS, h, w), as if the pictures had come in the other order."""
-    first, second, maps, place = seen.split((3, 3, 2, 1), 1)
-    return torch.cat([second, first, maps.flip(1), place], 1)
+def swap_views(crops: Tensor) -> Tensor:
+    """Exchange the two views of crops, float (k, CROP_CHANNELS, h, w)."""
+    first, second, maps, region = crops.split((3, 3, 2, 1), 1)
+    return torch.cat([second, first, maps.flip(1), region], 1)
 
 
-def _square(place: np.ndarray) -> tuple[float, float, float, float]:
-    """Left, top, right and bottom, pixels, of what a close-up shows."""
-    rows, columns = find_objects(place.astype(int))[0]
-    half = max(LEAST, ROOM * max(rows.stop - rows.start, columns.stop - columns.start)) / 2
-    row, column = (rows.start + rows.stop) / 2, (columns.start + columns.stop) / 2
-    return column - half, row - half, column + half, row + half
+def _crop_box(region: np.ndarray) -> tuple[float, float, float, float]:
+    """Left, top, right and bottom of the crop around a region, in pixels."""
+    rows, cols = find_objects(region.astype(int))[0]
+    extent = max(MIN_EXTENT, CONTEXT_FACTOR * max(rows.stop - rows.start, cols.stop - cols.start))
+    half = extent / 2
+    y, x = (rows.start + rows.stop) / 2, (cols.start + cols.stop) / 2
+    return x - half, y - half, x + half, y + half
 
 
-def _stage(inputs: int, outputs: int) -> list[nn.Module]:
-    """Two convolutions."""
-    widths = ((inputs, outputs), (outputs, outputs))
-    return [
-        layer
-        for one, other in widths
-        for layer in (nn.Conv2d(one, other, 3, 1, 1, bias=False), nn.BatchNorm2d(other), nn.ReLU())
-    ]
+def _conv_block(inputs: int, outputs: int) -> list[nn.Module]:
+    """Two convolutions with batch normalisation."""
+    layers: list[nn.Module] = []
+    for channels in (inputs, outputs):
+        layers.append(nn.Conv2d(channels, outputs, 3, 1, 1, bias=False))
+        layers += [nn.BatchNorm2d(outputs), nn.ReLU()]
+    return layers

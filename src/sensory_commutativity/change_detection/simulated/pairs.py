@@ -1,8 +1,9 @@
-"""Pairs of pictures with the three outcomes of an SC-experiment, made without playing one (paper, section IV-A, "Training").
+"""Labelled pairs of pictures, made without playing experiments (paper, section IV-A, "Training").
 
-What makes the pairs honest: light, exposure, noise and the camera differ a little between the two pictures of a pair; robots come back almost, not
-only exactly or not at all; objects move by centimetres or metres; the robot's arm is in sight, and sometimes it is all that moved. Some robots look
-aside, so that all of the arm is seen.
+The pairs imitate what SC-experiments end in. Light, exposure and noise differ between the two
+pictures of every pair. Robots that come back do so exactly or almost, objects move by millimetres
+or metres, and the arm is in view, sometimes as all that moved. In some pairs the camera is turned
+away from its usual direction, so that all of the arm comes into view.
 """
 
 from __future__ import annotations
@@ -14,40 +15,44 @@ import numpy as np
 
 from ...errors import UserError
 from ...worlds.apartment import frames as fr
-from ...worlds.apartment.scenes.scene import IDENTITIES
-from ..outcome import SEEN, Outcome, outcome_of
+from ...worlds.apartment.scenes.scene import SEGMENTATION_IDS
+from ..outcome import MIN_VISIBLE_PIXELS, Outcome, displaced_objects, label_pair
+from .perturbations import ROBOT_MOTIONS, perturb_objects, perturb_robot_pose, return_robot
 from .photometric import JITTER, apply_camera_noise, jitter_camera, sample_light
-from .scene_sampler import TRIES, SceneSampler, View, displaced
+from .robot_placement import place_robot_anywhere
+from .scene_sampler import SceneSampler, View
 
-PAIRS_PER_SCATTER = 100
-"""Pairs with the same objects in the same places; chosen: scattering takes as long as some five of them."""
-FALL, ROLL = 30, 120
-"""Substeps (an eighth and half a second) in which an object that was put down, or pushed, comes to rest."""
-NEAR = 0.75
-"""Of the pairs, those with the robot's hand beside an object, as in most SC-experiments on objects; the others begin anywhere."""
-BY_HAND = 0.5
-"""Of the pairs in which something moves, those in which it is what is nearest the hand; chosen: SC-experiments mostly move what they touch."""
-STILL = 0.5
-"""Of the pairs of a robot that came back, those whose camera is not jitter_camera; chosen: as in most SC-experiments of an arm. In a third of all pairs
-of a robot that came back, no joint of it is elsewhere either."""
-STRAIGHT = 0.6
-"""Of the pairs, those in which the robot looks as it does in SC-experiments; chosen."""
-GAZE = math.radians(22.5)
-"""How far it looks aside, up or down in the others, at most; chosen: to the edge of what a camera of twice the field of view, 90 degrees, sees."""
-ATTEMPTS = 3_000
-"""Situations that are tried for one pair; chosen: a hundred times what the apartments here need."""
+PAIRS_PER_LAYOUT = 100
+"""Situations with the same layout of objects. Chosen: a layout takes as long as some five pairs."""
+STILL_CAMERA_FRACTION = 0.5
+"""Fraction of the pairs of a robot that came back in which the camera did not move. Chosen: as in
+most SC-experiments with an arm."""
+FORWARD_GAZE_FRACTION = 0.6
+"""Fraction of the pairs in which the camera points as in SC-experiments. Chosen."""
+MAX_GAZE_ANGLE = math.radians(22.5)
+"""Radians by which it is turned in the others, at most, about each axis. Chosen: up to the edge of
+what a camera with twice the field of view, 90 degrees, sees."""
+ROBOT_TRIES = 60
+"""Poses that are tried for a robot that moved before another situation is sampled. Chosen."""
+MAX_SITUATIONS = 3_000
+"""Situations that are tried for one pair. Chosen: a hundred times what the apartments of this
+package need."""
 
 
 class Pair(NamedTuple):
-    """Two pictures, what moved between them, and how it came about.
+    """Two pictures and what moved between them.
 
     Attributes
     ----------
     pictures : uint8 (2, h, w, 3)
+        RGB.
     masks : bool (2, h, w)
+        Pixels that show something that moved.
     outcome : str
     kind : str
-        turned, elsewhere, almost, arm; still, jitter; moved.
+        How the pair was made: "still" or "jitter" (of the camera; *identical*), "turned",
+        "almost", "elsewhere" or "arm" (see :data:`.perturbations.RobotMotion`; *different*), or
+        "moved".
     """
 
     pictures: np.ndarray
@@ -57,203 +62,119 @@ class Pair(NamedTuple):
 
 
 class PairFactory:
-    """Makes pairs in a household, through the first of its cameras."""
+    """Makes pairs of pictures through the first camera of a scene sampler."""
 
-    def __init__(self, household: SceneSampler):
-        self.household, self.simulation, self.rng = household, household.simulation, household.rng
-        self.camera = household.cameras[0]
-        self._since = PAIRS_PER_SCATTER
+    def __init__(self, sampler: SceneSampler):
+        self.sampler = sampler
+        self.simulation = sampler.simulation
+        self.rng = sampler.rng
+        self.camera = sampler.cameras[0]
         self._gaze = np.eye(4)
 
-    def pair(self, outcome: Outcome) -> Pair:
-        """A pair with this outcome; situations in which it does not come about are drawn anew."""
-        make = {"identical": self._identical, "different": self._different, "moved": self._moved}[
-            outcome
-        ]
-        for _ in range(ATTEMPTS):
-            if self._since >= PAIRS_PER_SCATTER:
-                self.household.scatter()
-                self._since = 0
-            if self.rng.uniform() >= NEAR or not self.household.begin_near_an_object():
-                self.household.begin()
-            self._since += 1
-            self._gaze = self._some_gaze()
-            made = make()
-            if made is not None and made.outcome == outcome:
-                return made
+    def make_pair(self, outcome: Outcome) -> Pair:
+        """Make a pair with the given outcome; try other situations until it has it.
+
+        Raises UserError if none of MAX_SITUATIONS does.
+        """
+        make = {
+            "identical": self._make_identical,
+            "different": self._make_different,
+            "moved": self._make_moved,
+        }[outcome]
+        for _ in range(MAX_SITUATIONS):
+            self.sampler.sample_situation(PAIRS_PER_LAYOUT)
+            self._gaze = self._sample_gaze()
+            pair = make()
+            if pair is not None and pair.outcome == outcome:
+                return pair
         raise UserError(
-            f"scene {self.household.scene.name!r}: none of {ATTEMPTS} situations makes a pair of pictures that is {outcome!r}; "
-            "let more objects lie about (masks.objects), or the head look elsewhere (masks.fixed)"
+            f"scene {self.sampler.scene.name!r}: none of {MAX_SITUATIONS} situations gives a pair "
+            f"of pictures with the outcome {outcome!r}; use more objects or another camera pose"
         )
 
-    # ---- pictures ----------------------------------------------------------------------------------------------------------
+    # ---- one method per outcome ----------------------------------------------------------------
 
-    def _look(self, jitter: float = 0.0) -> View:
-        """What is seen; `jitter`, degrees, is the scale of how the camera is turned."""
-        eye = self.simulation.eye_pose() @ self._gaze
-        return self.household.look(
-            jitter_camera(eye, jitter, self.rng) if jitter else eye, sample_light(self.rng)
-        )
-
-    def _some_gaze(self) -> np.ndarray:
-        """How the camera is turned from where the head points, in both pictures of a pair: float64 (4, 4)."""
-        if self.rng.uniform() < STRAIGHT:
-            return np.eye(4)
-        aside, down = self.rng.uniform(-GAZE, GAZE, 2)
-        return fr.turned(np.array([0.0, 0.0, 1.0]), aside) @ fr.turned(
-            np.array([0.0, 1.0, 0.0]), down
-        )
-
-    def _made(self, first: View, second: View, moved: np.ndarray, kind: str) -> Pair:
-        (picture, *_), (other, *_) = first.pictures, second.pictures
-        outcome, masks = outcome_of(picture, other, first.eye, second.eye, moved, self.camera)
-        if self.rng.uniform() < 0.5:
-            picture, other, masks = other, picture, masks[::-1]
-        return Pair(
-            np.stack(
-                [apply_camera_noise(picture.rgb, self.rng), apply_camera_noise(other.rgb, self.rng)]
-            ),
-            np.ascontiguousarray(masks),
-            outcome,
-            kind,
-        )
-
-    def _back(self) -> float:
-        """The robot comes back, more or less: its arm almost where it was in some cases; returns how its camera is to be jitter_camera."""
-        simulation, rng = self.simulation, self.rng
-        if rng.uniform() < 0.3:
-            base, joints = simulation.base(), simulation.joints()
-            bends = rng.normal(
-                0, math.exp(rng.uniform(math.log(0.002), math.log(0.04))), len(joints)
-            )
-            bent = joints + bends * (rng.uniform(size=len(joints)) < 0.3)
-            simulation.put_robot(base, np.clip(bent, *simulation.robot.limits.T))
-        return 0.0 if rng.uniform() < STILL else JITTER
-
-    # ---- outcomes ----------------------------------------------------------------------------------------------------------
-
-    def _identical(self) -> Pair:
-        first, before = self._look(), self.simulation.object_poses()
-        if self.rng.uniform() < 0.2:  # what moves by less than a centimetre has not moved
-            for i in self._seen(first)[:1]:
+    def _make_identical(self) -> Pair:
+        first, before = self._render(), self.simulation.objects.poses()
+        if self.rng.uniform() < 0.2:  # objects that move by less than a centimetre did not move
+            for i in self._sample_visible_objects(first)[:1]:
                 nudge = self.rng.uniform(-0.005, 0.005, 2)
-                self.simulation.put_object(int(i), before[i] + [*nudge, 0, 0, 0, 0, 0])
-        jitter = self._back()
-        really = displaced(before, self.simulation.object_poses())
-        return self._made(first, self._look(jitter), really, "jitter" if jitter else "still")
+                self.simulation.objects.place(int(i), before[i] + [*nudge, 0, 0, 0, 0, 0])
+        jitter = self._return_robot()
+        displaced = displaced_objects(before, self.simulation.objects.poses())
+        kind = "jitter" if jitter else "still"
+        return self._finish(first, self._render(jitter), displaced, kind)
 
-    def _different(self) -> Pair | None:
-        first, simulation, rng = self._look(), self.simulation, self.rng
-        kind = str(rng.choice(["turned", "almost", "elsewhere", "arm"], p=[0.25, 0.5, 0.15, 0.1]))
-        if kind == "elsewhere":
-            self.household.begin()
-            return self._made(first, self._look(), np.array([], int), kind)
-        base, joints, before = simulation.base(), simulation.joints(), simulation.object_poses()
-        if rng.uniform() < 0.3:  # what pushes against a wall has often pushed something else
-            self._move_some(first, before)
-        for _ in range(TRIES):
-            there, bent = self._elsewhere(kind, base.copy(), joints.copy())
-            if simulation.fits(there, np.clip(bent, *simulation.robot.limits.T)):
-                return self._made(
-                    first, self._look(), displaced(before, simulation.object_poses()), kind
-                )
+    def _make_different(self) -> Pair | None:
+        simulation, rng = self.simulation, self.rng
+        first = self._render()
+        motion = tuple(ROBOT_MOTIONS)[rng.choice(len(ROBOT_MOTIONS), p=[*ROBOT_MOTIONS.values()])]
+        if motion == "elsewhere":
+            place_robot_anywhere(simulation, rng)
+            return self._finish(first, self._render(), np.array([], int), motion)
+        base, joints, before = simulation.base(), simulation.joints(), simulation.objects.poses()
+        if rng.uniform() < 0.3:  # a robot that was stopped by a wall often pushed an object, too
+            self._perturb_objects(first, before)
+        for _ in range(ROBOT_TRIES):
+            base_pose, bent = perturb_robot_pose(motion, base.copy(), joints.copy(), rng)
+            if simulation.fits(base_pose, simulation.robot.clip_joints(bent)):
+                displaced = displaced_objects(before, simulation.objects.poses())
+                return self._finish(first, self._render(), displaced, motion)
         return None
 
-    def _elsewhere(
-        self, kind: str, base: np.ndarray, joints: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Another place of the base or another bend of the arm: turned by 45 degrees and more, by less, or the arm alone."""
-        rng = self.rng
-        if kind == "turned":
-            base[2] += rng.choice([-1, 1]) * (
-                math.pi / 2 if rng.uniform() < 0.5 else rng.uniform(math.pi / 4, math.pi)
-            )
-        elif kind == "almost":
-            base[2] += rng.choice([-1, 1]) * math.radians(
-                math.exp(rng.uniform(math.log(0.5), math.log(45.0)))
-            )
-            base[:2] += rng.normal(0, 0.03, 2) * rng.integers(2)
-        else:
-            bends = rng.choice([-1, 1], len(joints)) * np.exp(
-                rng.uniform(math.log(0.01), math.log(1.0), len(joints))
-            )
-            one = np.arange(len(joints)) == rng.integers(len(joints))
-            joints += bends * (one if rng.uniform() < 0.7 else rng.uniform(size=len(joints)) < 0.4)
-        return base, joints
-
-    def _moved(self) -> Pair | None:
-        first, before = self._look(), self.simulation.object_poses()
-        if not self._move_some(first, before):
+    def _make_moved(self) -> Pair | None:
+        first, before = self._render(), self.simulation.objects.poses()
+        if not self._perturb_objects(first, before):
             return None
-        really = displaced(before, self.simulation.object_poses())
-        return self._made(first, self._look(self._back()), really, "moved")
+        displaced = displaced_objects(before, self.simulation.objects.poses())
+        return self._finish(first, self._render(self._return_robot()), displaced, "moved")
 
-    # ---- objects -----------------------------------------------------------------------------------------------------------
+    # ---- helpers -------------------------------------------------------------------------------
 
-    def _seen(self, view: View) -> np.ndarray:
-        """Numbers of the objects that are in sight, int (k,), drawn one after the other by how much of the picture they fill
-        (exponential clocks: Efraimidis and Spirakis 2006)."""
-        identity = view.pictures[0].identity
-        counts = np.bincount(
-            np.where(identity < IDENTITIES["fixture"], identity, 0).ravel(),
-            minlength=len(self.household.scattered) + 1,
-        )[1:]
-        seen = np.nonzero(counts >= SEEN)[0]
-        return seen[np.argsort(self.rng.exponential(size=len(seen)) / counts[seen])]
+    def _sample_gaze(self) -> np.ndarray:
+        """Sample how the camera of both pictures is turned from its mount: float64 (4, 4)."""
+        if self.rng.uniform() < FORWARD_GAZE_FRACTION:
+            return np.eye(4)
+        yaw, pitch = self.rng.uniform(-MAX_GAZE_ANGLE, MAX_GAZE_ANGLE, 2)
+        z_axis, y_axis = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
+        return fr.rotation(z_axis, yaw) @ fr.rotation(y_axis, pitch)
 
-    def _move_some(self, first: View, before: np.ndarray) -> bool:
-        """Displace some of what is seen; what they pushed, but not as far as counts, is put back to the last bit. False if nothing could be moved."""
-        simulation, rng = self.simulation, self.rng
-        seen = self._seen(first)
-        if rng.uniform() < BY_HAND:
-            seen = seen[
-                np.argsort(
-                    np.linalg.norm(before[seen, :3] - self.household.hand(), axis=1), kind="stable"
-                )
-            ]
-        chosen = seen[: int(rng.geometric(0.6))]
-        if not len(chosen):
-            return False
-        moved = [int(i) for i in chosen if self._displace(int(i), before[i])]
-        if not moved:
-            return False
-        nudged = np.setdiff1d(
-            np.arange(len(before)), np.union1d(moved, displaced(before, simulation.object_poses()))
-        )
-        for i in nudged:
-            simulation.put_object(int(i), before[i])
-        return True
+    def _render(self, jitter: float = 0.0) -> View:
+        """Render the present situation; `jitter` as in :func:`.photometric.jitter_camera`."""
+        camera_pose = self.simulation.camera_pose() @ self._gaze
+        if jitter:
+            camera_pose = jitter_camera(camera_pose, jitter, self.rng)
+        return self.sampler.render_view(camera_pose, sample_light(self.rng))
 
-    def _displace(self, i: int, pose: np.ndarray) -> bool:
-        """As arms and bases do: pushed, perhaps over or off what it stood on; put elsewhere, by 3 mm to 60 cm or far; or out of sight."""
-        rng, base = self.rng, self.simulation.base()
-        way = rng.uniform()
-        if way < 0.4:
-            direction, speed = rng.uniform(-math.pi, math.pi), rng.uniform(0.2, 1.6)
-            velocity = np.array([speed * math.cos(direction), speed * math.sin(direction), 0.0])
-            self.simulation.put_object(i, pose, velocity, rng.normal(0, 4.0, 3))
-            self.simulation.wait(ROLL)
-            return True
-        if way < 0.6:
-            self.household.put_away(i)
-            return True
-        turn = (
-            2 * math.atan2(pose[5], pose[6]) + rng.normal(0, 0.4) if rng.uniform() < 0.5 else None
-        )
-        for _ in range(TRIES):
-            if way < 0.9:
-                distance, angle = (
-                    math.exp(rng.uniform(math.log(0.003), math.log(0.6))),
-                    rng.uniform(-math.pi, math.pi),
-                )
-                x, y = pose[0] + distance * math.cos(angle), pose[1] + distance * math.sin(angle)
-            else:
-                distance, angle = rng.uniform(0.5, 3.0), base[2] + rng.uniform(-0.6, 0.6)
-                x, y = base[0] + distance * math.cos(angle), base[1] + distance * math.sin(angle)
-            if self.household.stand(
-                i, x, y, pose[2] + 0.3, lying=rng.uniform() < 0.15, heading=turn
-            ):
-                self.simulation.wait(FALL)
-                return True
-        self.simulation.put_object(i, pose)
-        return False
+    def _return_robot(self) -> float:
+        """Let the robot come back; return the scale, degrees, of the camera's jitter."""
+        return_robot(self.simulation, self.rng)
+        return 0.0 if self.rng.uniform() < STILL_CAMERA_FRACTION else JITTER
+
+    def _perturb_objects(self, first: View, before: np.ndarray) -> bool:
+        return perturb_objects(self.sampler, self._sample_visible_objects(first), before)
+
+    def _sample_visible_objects(self, view: View) -> np.ndarray:
+        """Indices of the visible objects in random order, larger ones earlier: int (k,).
+
+        Each next one is drawn with a probability proportional to the pixels that it covers, by
+        exponential clocks (Efraimidis and Spirakis 2006, doi:10.1016/j.ipl.2005.11.003).
+        """
+        ids = view.pictures[0].segmentation  # 1 + i for object i
+        object_ids = np.where(ids < SEGMENTATION_IDS["fixture"], ids, 0)  # 0: no object
+        n_objects = len(self.sampler.scene.movables)
+        pixels = np.bincount(object_ids.ravel(), minlength=n_objects + 1)[1:]
+        visible = np.nonzero(pixels >= MIN_VISIBLE_PIXELS)[0]
+        clocks = self.rng.exponential(size=len(visible)) / pixels[visible]
+        return visible[np.argsort(clocks)]
+
+    def _finish(self, first: View, second: View, displaced: np.ndarray, kind: str) -> Pair:
+        """Label two views, put them in random order, and add camera noise."""
+        a, b = first.pictures[0], second.pictures[0]
+        poses = first.camera_pose, second.camera_pose
+        outcome, masks = label_pair(a, b, *poses, displaced, self.camera)
+        pictures = [a, b]
+        if self.rng.uniform() < 0.5:
+            pictures, masks = pictures[::-1], masks[::-1]
+        noisy = [apply_camera_noise(picture.rgb, self.rng) for picture in pictures]
+        return Pair(np.stack(noisy), np.ascontiguousarray(masks), outcome, kind)

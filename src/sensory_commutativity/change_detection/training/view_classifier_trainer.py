@@ -1,6 +1,7 @@
-"""How a judge of places learns: from places that a trained model found changed in pairs whose masks are known.
+"""Training of a view classifier on the regions that a trained model finds changed.
 
-The pairs are such that the model was trained on. It fits them no better than others (docs/differences.md), so its doubts about them are its doubts.
+The pairs are those that the model was trained on. It fits them no better than others
+(docs/differences.md), so its errors on them are representative.
 """
 
 from __future__ import annotations
@@ -9,49 +10,52 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
+import torch.nn.functional as F
 from torch import Tensor
-from torch.nn import functional
 
 from ...seeding import generator, seed_for
 from ..models.view_classifier import (
-    CHANNELS,
-    SIDE,
+    CROP_CHANNELS,
+    CROP_SIZE,
     ViewClassifier,
     changed_regions,
     crop_regions,
-    exchanged,
+    swap_views,
 )
 from ..predictor import MaskPredictor, PredictorError
-from .trainer import Trainer, TrainingSettings, has_half_precision
+from .trainer import Trainer, TrainingSettings, supports_bfloat16
 
-COVERED = 0.15
-"""Of a place, from which what moved is there in a view; chosen: less is the rim of what is beside it."""
-DIMMEST, BRIGHTEST = -0.4, 0.3
-"""Logarithms of how much darker or brighter close-ups are made; chosen: about as the pairs themselves are in training."""
+MIN_COVERAGE = 0.15
+"""Fraction of a region from which a view of it shows what moved; chosen: less is the rim of a
+neighbouring object."""
+MIN_LOG_GAIN, MAX_LOG_GAIN = -0.4, 0.3
+"""Range of the logarithm of the brightness gain; chosen: about that of the pairs in training."""
 
 
 class Regions(NamedTuple):
-    """Many places.
+    """Labelled regions.
 
     Attributes
     ----------
-    crop_regions : float16 (k, CHANNELS, SIDE, SIDE)
+    crops : float16 (k, CROP_CHANNELS, CROP_SIZE, CROP_SIZE)
     empty : bool (k, 2)
-        Whether a view shows nothing there that moved.
+        Whether a view shows nothing that moved.
     """
 
-    crop_regions: np.ndarray
+    crops: np.ndarray
     empty: np.ndarray
 
 
-def labelled_regions(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray) -> Regions:
-    """Regions that a predictor without a judge finds changed, labelled by the true masks.
+def label_regions(predictor: MaskPredictor, pictures: np.ndarray, masks: np.ndarray) -> Regions:
+    """Crop the regions that a predictor finds changed, and label them by the true masks.
 
     Parameters
     ----------
     predictor : MaskPredictor
+        Without a view classifier, whose corrections would hide the model's errors.
     pictures : uint8 (n, 2, h, w, 3)
     masks : bool (n, 2, h, w)
+        True masks.
 
     Returns
     -------
@@ -60,76 +64,91 @@ def labelled_regions(predictor: MaskPredictor, pictures: np.ndarray, masks: np.n
     Raises
     ------
     PredictorError
-        If the predictor has a judge: what it says is no longer what the model says.
+        If the predictor has a view classifier.
     """
-    if predictor.judge is not None:
+    if predictor.view_classifier is not None:
         raise PredictorError(
-            "the predictor has a judge already; give the one that mask-training wrote, under data/mask_training/"
+            "the predictor already has a view classifier; give the one that model training wrote"
         )
-    seen, empty = [torch.zeros(0, CHANNELS, SIDE, SIDE)], [np.zeros((0, 2), bool)]
-    for maps, pair, truth in zip(predictor.probabilities(pictures), pictures, masks, strict=True):
-        places = changed_regions(maps)
-        if places:
-            seen.append(crop_regions(maps, pair, places))
-            empty.append(np.stack([truth[:, place].mean(1) < COVERED for place in places]))
-    return Regions(torch.cat(seen).half().numpy(), np.concatenate(empty))
+    crops = [torch.zeros(0, CROP_CHANNELS, CROP_SIZE, CROP_SIZE)]
+    empty = [np.zeros((0, 2), bool)]
+    probabilities = predictor.predict_proba(pictures)
+    for maps, pair, mask in zip(probabilities, pictures, masks, strict=True):
+        regions = changed_regions(maps)
+        if regions:
+            crops.append(crop_regions(maps, pair, regions))
+            coverage = np.stack([mask[:, region].mean(1) for region in regions])  # (k, 2)
+            empty.append(coverage < MIN_COVERAGE)
+    return Regions(torch.cat(crops).half().numpy(), np.concatenate(empty))
 
 
 class ViewClassifierTrainer(Trainer):
-    """A judge in training: close-ups are mirrored, exchanged and recoloured alike in both pictures.
+    """Trains a view classifier; crops are mirrored, exchanged and recoloured at random.
 
     Parameters
     ----------
-    places : Regions
+    regions : Regions
         At least one.
-    recipe : TrainingSettings
+    settings : TrainingSettings
     seed : int
     device : str
         ``cpu`` or ``cuda``.
-    architecture
-        Of the :class:`ViewClassifier`.
+    **architecture
+        Arguments of :class:`ViewClassifier`.
     """
 
     def __init__(
         self,
-        places: Regions,
-        recipe: TrainingSettings,
+        regions: Regions,
+        settings: TrainingSettings,
         seed: int,
         device: str = "cpu",
         **architecture: int,
     ):
-        self.places, self.seed, self.device = places, seed, device
+        self.regions = regions
+        self.seed = seed
+        self.device = device
+        # "judge" in the keys of random streams is a former name; weights depend on it
         torch.manual_seed(seed_for(seed, "weights", "judge") % 2**63)
-        super().__init__(
-            ViewClassifier(**architecture).to(device, memory_format=torch.channels_last), recipe
-        )  # a fifth faster on a CPU
+        model = ViewClassifier(**architecture).to(device)
+        # channels last is a fifth faster on a CPU
+        super().__init__(model.to(memory_format=torch.channels_last), settings)
 
-    def loss(self) -> Tensor:
-        """Cross-entropy of what both views are found to show."""
+    def compute_loss(self) -> Tensor:
+        """Cross-entropy over both views of the current step's batch: float ()."""
         rng = generator(self.seed, "step", "judge", self.step)
         torch.manual_seed(seed_for(self.seed, "dropout", self.step) % 2**63)
-        chosen = rng.integers(len(self.places.empty), size=self.recipe.batch_size)
-        seen = torch.from_numpy(self.places.crop_regions[chosen]).to(self.device).float()
-        empty = torch.from_numpy(self.places.empty[chosen]).to(self.device).float()
-        mirrored, swapped = (
-            torch.from_numpy(rng.uniform(size=len(chosen)) < 0.5).to(self.device) for _ in range(2)
-        )
-        seen = torch.where(mirrored[:, None, None, None], seen.flip(-1), seen)
-        seen = torch.where(swapped[:, None, None, None], exchanged(seen), seen)
-        empty = torch.where(swapped[:, None], empty.flip(1), empty)
-        seen = torch.cat([_recoloured(seen[:, :6], rng), seen[:, 6:]], 1)
-        with torch.autocast(self.device, torch.bfloat16, enabled=has_half_precision(self.device)):
-            logits = self.model(seen.contiguous(memory_format=torch.channels_last))
-        return functional.binary_cross_entropy_with_logits(logits.float(), empty)
+        n = self.settings.batch_size
+        indices = rng.integers(len(self.regions.empty), size=n)
+        crops = torch.from_numpy(self.regions.crops[indices]).to(self.device).float()
+        empty = torch.from_numpy(self.regions.empty[indices]).to(self.device).float()
+        mirror = torch.from_numpy(rng.uniform(size=n) < 0.5).to(self.device)
+        swap = torch.from_numpy(rng.uniform(size=n) < 0.5).to(self.device)
+        crops = torch.where(mirror[:, None, None, None], crops.flip(-1), crops)
+        crops = torch.where(swap[:, None, None, None], swap_views(crops), crops)
+        empty = torch.where(swap[:, None], empty.flip(1), empty)
+        crops = torch.cat([_recolour(crops[:, :6], rng), crops[:, 6:]], 1)
+        with torch.autocast(self.device, torch.bfloat16, enabled=supports_bfloat16(self.device)):
+            logits = self.model(crops.contiguous(memory_format=torch.channels_last))
+        return F.binary_cross_entropy_with_logits(logits.float(), empty)
 
 
-def _recoloured(pictures: Tensor, rng: np.random.Generator) -> Tensor:
-    """Both pictures, float (k, 6, h, w) in [-1, 1], with their colours in another order, and darker or brighter; 0 outside of them stays 0."""
-    inside = (pictures != 0).any(1, keepdim=True)
-    order = torch.from_numpy(rng.permutation(3)).to(pictures.device)
-    light = torch.from_numpy(
-        np.exp(rng.uniform(DIMMEST, BRIGHTEST, (len(pictures), 1, 1, 1))).astype(np.float32)
-    ).to(pictures.device)
-    return torch.where(
-        inside, ((pictures[:, torch.cat([order, order + 3])] + 1) * light - 1).clamp(-1, 1), 0
-    )
+def _recolour(rgb: Tensor, rng: np.random.Generator) -> Tensor:
+    """Permute the colour channels and change the brightness, alike in both pictures.
+
+    Parameters
+    ----------
+    rgb : float (k, 6, h, w)
+        RGB of both pictures in [-1, 1]; 0 outside of the pictures, which stays 0.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    float (k, 6, h, w)
+    """
+    inside = (rgb != 0).any(1, keepdim=True)
+    order = torch.from_numpy(rng.permutation(3)).to(rgb.device)
+    gain = np.exp(rng.uniform(MIN_LOG_GAIN, MAX_LOG_GAIN, (len(rgb), 1, 1, 1)))
+    recoloured = rgb[:, torch.cat([order, order + 3])] + 1
+    recoloured = recoloured * torch.from_numpy(gain.astype(np.float32)).to(rgb.device) - 1
+    return torch.where(inside, recoloured.clamp(-1, 1), 0)

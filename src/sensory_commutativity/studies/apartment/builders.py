@@ -1,9 +1,7 @@
-"""The apartment worlds that the configuration names, and what has to be there before any of them is used."""
+"""What the configuration of the apartment names: scenes, worlds, and runs of experiments."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -12,52 +10,85 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from ...errors import ConfigError, UserError
-from ...perceptual.features import PerceptualFeatures
-from ...perceptual.weights import WeightsError, vgg16_weights
 from ...seeding import generator, seed_for
-from ...worlds.apartment import geometry
-from ...worlds.apartment.robots.robot import load_robot
-from ...worlds.apartment.scenes.scene import Area, Fixture, Part, Scene
-from ...worlds.apartment.scenes.scenefile import load_scene, scene_files
+from ...storage.hashing import sha256
 from ..config import Config
 from .config import ApartmentConfig, ApartmentRun
 
 if TYPE_CHECKING:
+    from ...perceptual.features import PerceptualFeatures
+    from ...worlds.apartment.robots.robot import Robot
+    from ...worlds.apartment.scenes.scene import Scene
     from ...worlds.apartment.world import ApartmentWorld
 
 FLOOR_EXTENT = 30.0
-"""Metres from the middle of an empty floor to where it ends, for the eye only; chosen: seen from a head at 1.3 m that is less than three pixels of
-128 below the horizon."""
+"""Metres from the centre of an empty floor to its visible edge; it has no physical one. Chosen:
+from a camera 1.3 m above the floor, the edge is less than three of 128 pixels below the horizon."""
 START_EXTENT = 2.0
-"""Metres: a robot starts so near to the middle of an empty floor; chosen: as in a large room."""
+"""Metres from the centre of an empty floor within which a robot starts, along x and y. Chosen: the
+size of a large room."""
+CHECKED_SITUATIONS = 3
+"""Start situations that are drawn of every robot, scene and start to check a configuration.
+Chosen: a second each."""
+
+
+def experiment_runs(config: Config) -> dict[str, ApartmentRun]:
+    """All runs of SC-experiments by name, ``ROBOT.SCENE.START.LENGTH``."""
+    return {
+        f"{run.robot}.{run.scene}.{run.start}.{run.length}": run for run in config.apartment.runs()
+    }
 
 
 def empty_floor(name: str) -> Scene:
-    """A floor that never ends, tiled, so that a robot sees where it is, with nothing on it."""
-    mesh = geometry.placed(geometry.box((FLOOR_EXTENT, FLOOR_EXTENT, 0.01)), (0.0, 0.0, -0.01))
-    seen = Fixture("floor", (Part(mesh, (0.8, 0.75, 0.7), "checker"),), ())
-    return Scene(
-        name,
-        (seen,),
-        (),
-        (Area("floor", (-START_EXTENT, START_EXTENT), (-START_EXTENT, START_EXTENT)),),
-    )
+    """An endless floor with nothing on it, tiled, so that camera images show where the robot is."""
+    from ...worlds.apartment import geometry
+    from ...worlds.apartment.scenes.scene import Area, Fixture, Part, Scene
+
+    mesh = geometry.transform(geometry.box((FLOOR_EXTENT, FLOOR_EXTENT, 0.01)), (0.0, 0.0, -0.01))
+    floor = Fixture("floor", (Part(mesh, (0.8, 0.75, 0.7), "checker"),), ())
+    extent = -START_EXTENT, START_EXTENT
+    return Scene(name, (floor,), (), (Area("floor", extent, extent),))
 
 
 def scene_of(settings: ApartmentConfig, scene: str) -> Scene:
-    """The scene that apartment.scenes.`scene` describes; a scene without a file is an empty floor."""
+    """The scene apartment.scenes.`scene`, an empty floor if it has no file. Raises SceneError."""
+    from ...worlds.apartment.scenes.scenefile import load_scene
+
     file = settings.scenes[scene].file
     return empty_floor(scene) if file is None else load_scene(file)
+
+
+def robot_of(settings: ApartmentConfig, robot: str) -> Robot:
+    """The robot apartment.robots.`robot`. Raises RobotError."""
+    from ...worlds.apartment.robots.robot import load_robot
+
+    return load_robot(settings.robots[robot].description)
+
+
+def count_dofs(settings: ApartmentConfig) -> dict[str, int]:
+    """Number of degrees of freedom of every robot that a run names."""
+    robots = dict.fromkeys(run.robot for run in settings.runs())
+    return {robot: len(robot_of(settings, robot).dofs) for robot in robots}
 
 
 def apartment_world(
     config: Config, robot: str, scene: str, start: str, views: Sequence[float] = ()
 ) -> ApartmentWorld:
-    """The robot in the scene, both by name, seen through fields of view in degrees; through the first of the configuration's if none are given."""
+    """The robot in the scene, both by name.
+
+    Parameters
+    ----------
+    config : Config
+    robot, scene : str
+        Keys of apartment.robots and apartment.scenes.
+    start : str
+        ``anywhere`` or ``within-reach``.
+    views : sequence of float
+        Vertical field of view of each camera, degrees. By default one camera with the first of
+        apartment.fields_of_view.
+    """
     from ...worlds.apartment.rendering.camera import Camera
-    from ...worlds.apartment.world import (
-        ApartmentWorld,  # imports PyBullet, which checking a configuration does not need
-    )
+    from ...worlds.apartment.world import ApartmentWorld  # imports PyBullet
 
     settings = config.apartment
     size, within = settings.image_size, settings.reach if start == "within-reach" else None
@@ -65,82 +96,116 @@ def apartment_world(
         Camera(size, size, float(view), settings.supersampling)
         for view in views or settings.fields_of_view[:1]
     ]
-    return ApartmentWorld(
-        scene_of(settings, scene), load_robot(settings.robots[robot].description), cameras, within
-    )
+    return ApartmentWorld(scene_of(settings, scene), robot_of(settings, robot), cameras, within)
 
 
 def world_of_run(config: Config, run: ApartmentRun) -> ApartmentWorld:
-    """The world in which a run's experiments take place."""
+    """The world of a run's experiments, with a camera for each of its fields of view."""
     return apartment_world(config, run.robot, run.scene, run.start, config.apartment.views(run))
 
 
 def perceptual_features(config: Config) -> PerceptualFeatures:
-    """What compares pictures. Raises WeightsError where no weights can be had."""
-    return PerceptualFeatures(vgg16_weights(config.apartment.weights))
+    """The VGG16 features that images are compared by. Raises WeightsError."""
+    from ...perceptual.features import PerceptualFeatures  # imports torch
+    from ...perceptual.weights import load_vgg16_weights
+
+    return PerceptualFeatures(load_vgg16_weights(config.apartment.weights))
 
 
 def start_seed(config: Config, robot: str, scene: str, start: str, i: int) -> int:
-    """What everything random in experiment `i` of a run follows from."""
+    """Seed of everything random in experiment `i` of a run."""
     return seed_for(config.seed, "apartments", robot, scene, start, i)
 
 
 @cache
 def contents(file: str | None, kind: Literal["robot", "scene", "weights"]) -> tuple[str, ...]:
-    """SHA-256 of every file that a robot's description, a scene's or weights lead to: results depend on what they say, not on where they lie."""
+    """SHA-256 of a file and of all files that it refers to; () without a file.
+
+    Results depend on what these files contain, not on their paths.
+    """
     if file is None:
         return ()
-    files = {
-        "robot": lambda: [Path(file), *load_robot(file).urdf.files],
-        "scene": lambda: scene_files(file),
-        "weights": lambda: [Path(file)],
-    }[kind]()
-    return tuple(hashlib.sha256(path.read_bytes()).hexdigest() for path in files if path.is_file())
+    paths = [Path(file)]
+    if kind == "robot":
+        from ...worlds.apartment.robots.robot import load_robot
+
+        paths += load_robot(file).urdf.files
+    elif kind == "scene":
+        from ...worlds.apartment.scenes.scenefile import scene_files
+
+        paths = scene_files(file)
+    return tuple(sha256(path) for path in paths if path.is_file())
 
 
-def settings_of_run(config: Config, run: ApartmentRun) -> str:
-    """Everything in the configuration that a run's experiments depend on, the files that it names among it, as JSON."""
+def settings_of_start(config: Config, robot: str, scene: str, start: str) -> list[object]:
+    """Everything that start situations depend on, including contents of files; JSON values."""
     settings = config.apartment
-    keys = {key: getattr(settings, key) for key in ("rest_steps", "image_size", "supersampling")}
-    return json.dumps(
-        [run, settings_of_start(config, run.robot, run.scene, run.start), settings.views(run), keys]
-    )
+    return [
+        config.seed,
+        robot,
+        scene,
+        start,
+        contents(settings.robots[robot].description, "robot"),
+        contents(settings.scenes[scene].file, "scene"),
+        contents(settings.weights, "weights"),
+        settings.reach if start == "within-reach" else None,
+    ]
+
+
+def settings_of_run(config: Config, run: ApartmentRun) -> list[object]:
+    """Everything that an experiment depends on, including contents of files; JSON values."""
+    settings = config.apartment
+    return [
+        settings_of_start(config, run.robot, run.scene, run.start),
+        run.length,
+        settings.views(run),
+        settings.rest_steps,
+        settings.image_size,
+        settings.supersampling,
+    ]
 
 
 def check_apartment(config: Config) -> None:
-    """Raise UserError for a robot or a scene that cannot be loaded; quick, no simulation is made."""
+    """Check that all files exist and can be read; fast, nothing is simulated.
+
+    Raises
+    ------
+    UserError
+        With the file, what is wrong, and the remedy.
+    """
+    from ...perceptual.weights import WeightsError
+
     settings = config.apartment
     if settings.weights is not None and not Path(settings.weights).is_file():
         raise WeightsError(
-            f"config: apartment.weights: there is no file {settings.weights!r}; give a file, or null to fetch the weights"
+            f"config: apartment.weights: there is no file {settings.weights!r}; "
+            "give a file, or null to fetch the weights"
         )
-    for robot in settings.robots.values():
-        load_robot(robot.description)
+    for robot in settings.robots:
+        robot_of(settings, robot)
     for run in settings.runs():
         scene_of(settings, run.scene)
 
 
-TRIED = 3
-"""Start situations that are drawn of each run before the long work; chosen: a second each."""
-
-
 def check_ready(config: Config, robot: str, scene: str, start: str) -> dict[str, str]:
-    """What only trying can tell of a run, before the long work: the weights are there, and the robot finds situations to start from.
+    """Check that the VGG16 weights are available and that the robot finds start situations.
 
     Returns
     -------
     dict
-        Where the weights are from, and their hash.
+        ``weights``: where the weights come from, and ``sha256``: their hash.
 
     Raises
     ------
     UserError
         With what is missing, where, and the remedy.
     """
-    weights = vgg16_weights(config.apartment.weights)
+    from ...perceptual.weights import load_vgg16_weights
+
+    weights = load_vgg16_weights(config.apartment.weights)
     try:
         world = apartment_world(config, robot, scene, start)
-        for i in range(TRIED):
+        for i in range(CHECKED_SITUATIONS):
             world.reset(generator(config.seed, "check", robot, scene, start, i))
     except ConfigError:
         raise
@@ -152,30 +217,24 @@ def check_ready(config: Config, robot: str, scene: str, start: str) -> dict[str,
     return dict(weights=weights.source, sha256=weights.sha256)
 
 
-def settings_of_start(config: Config, robot: str, scene: str, start: str) -> str:
-    """Everything in the configuration that start situations depend on, the files that it names among it, as JSON."""
-    settings = config.apartment
-    files = contents(settings.robots[robot].description, "robot") + contents(
-        settings.scenes[scene].file, "scene"
-    )
-    return json.dumps(
-        [
-            config.seed,
-            robot,
-            scene,
-            start,
-            files,
-            contents(settings.weights, "weights"),
-            settings.reach if start == "within-reach" else None,
-        ]
-    )
-
-
 def start_poses(config: Config, robot: str, scene: str, start: str, n: int) -> np.ndarray:
-    """Where the first `n` experiments of a run start: float64 (n, 3), x, y in metres and heading in rad."""
-    world, found = apartment_world(config, robot, scene, start), np.empty((n, 3))
+    """Poses of the robot at the start of the first `n` experiments of a run.
+
+    Returns
+    -------
+    float64 (n, 3)
+        x and y in metres, heading in rad.
+    """
+    world, poses = apartment_world(config, robot, scene, start), np.empty((n, 3))
     for i in range(n):
         world.reset(generator(start_seed(config, robot, scene, start, i), "situation"))
-        found[i] = world.simulation.base()
+        poses[i] = world.simulation.base()
     world.simulation.close()
-    return found
+    return poses
+
+
+def described_files(config: Config) -> list[list[tuple[str, ...]]]:
+    """Contents of all files that describe the robots and scenes of the configuration."""
+    settings = config.apartment
+    robots = [contents(robot.description, "robot") for robot in settings.robots.values()]
+    return [robots, [contents(scene.file, "scene") for scene in settings.scenes.values()]]

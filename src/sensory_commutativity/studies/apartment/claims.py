@@ -1,43 +1,49 @@
-"""The paper's claims about robots in apartments (section III-C, appendix C), each decided by a rule that was fixed before the run.
+"""The paper's claims about robots in apartments (section III-C, appendix C), each decided by a rule
+that was fixed before the run.
 
-The paper names thresholds from 20 to 100; a claim holds if it holds at every threshold of the configuration in that range.
+The paper names thresholds from 20 to 100; a claim holds if it holds at every threshold of the
+configuration in that range.
 
-- "lowest": the SCP of every wheel is below that of every other degree of freedom;
-- "rising": every step from one group to the next of the robot's hierarchy has the right sign and a Holm-adjusted p-value below ALPHA;
-- "always commutes": the SCP is at least ALMOST at threshold 100, since at lower ones a hair's breadth of motion counts;
-- "the same hierarchy": Kendall's tau with the reference is at least SAME at every threshold, and defined there.
+- "Lowest": the SCP of every wheel is below that of every other degree of freedom.
+- "Rising": every step from one group of the robot's hierarchy to the next has the right sign and a
+  Holm-adjusted p-value below ALPHA.
+- "Always commutes": the SCP is at least ALMOST_ONE at the highest of these thresholds, since at
+  lower ones the slightest motion counts.
+- "The same hierarchy": Kendall's tau with the reference is defined and at least SAME_ORDER at every
+  threshold.
 
-Two things that the paper implies are decided as well: in free space every degree of freedom commutes, at the lowest of these thresholds, in at
-least FREE of the experiments; and the SCP of the arm joint nearest the body is nearer .5 than 0 or 1, so that its experiments have all outcomes.
+Two things that the paper implies are decided as well: in free space every degree of freedom
+commutes, at the lowest of these thresholds, in at least FREE of the experiments; and the SCP of the
+arm joint nearest the body is nearer .5 than 0 or 1, so that its experiments have all outcomes.
 """
 
 from __future__ import annotations
 
 import pandas as pd
 
-from ...worlds.apartment.robots.robot import load_robot
-from ..claims import Claim, p_of_claim
+from ..claims import Claim, format_p
 from ..config import Config
 
 ALPHA = 0.01
-ALMOST = 0.95
-SAME = 0.8
+ALMOST_ONE = 0.95
+SAME_ORDER = 0.8
 FREE = 0.99
-RANGE = (20.0, 100.0)
+THRESHOLDS = (20.0, 100.0)
 
 
 def apartment_claims(tables: dict[str, pd.DataFrame], config: Config) -> list[Claim]:
     """All claims, from the tables apartment_scp, apartment_hierarchy and apartment_order."""
     settings = config.apartment
-    reference = settings.reference
+    robot, scene = settings.reference.robot, settings.reference.scene
+    scp = tables["apartment_scp"]
     claims = [
-        *_of_robot(reference.robot, reference.scene, "III-C", tables, config),
-        _still("torso-lift", reference.robot, reference.scene, tables["apartment_scp"], config),
-        _nearest_half(reference.robot, reference.scene, tables["apartment_scp"], config),
-        _same_for_all_thresholds(tables["apartment_order"]),
+        *_of_robot(robot, scene, "III-C", tables, config),
+        _still("torso-lift", robot, scene, scp, config),
+        _nearest_half(robot, scene, scp, config),
+        _same_at_all_thresholds(tables["apartment_order"]),
     ]
     claims += [
-        _free(robot, scene, tables["apartment_scp"], config)
+        _free(robot, scene, scp, config)
         for robot in settings.free_space.robots
         for scene in settings.free_space.scenes
     ]
@@ -48,88 +54,67 @@ def apartment_claims(tables: dict[str, pd.DataFrame], config: Config) -> list[Cl
 
 
 def _rows(table: pd.DataFrame, robot: str, scene: str, config: Config) -> pd.DataFrame:
-    """Of a robot in an apartment, at the thresholds in the paper's range."""
+    """Rows of a robot in an apartment, at the thresholds in the paper's range."""
     settings = config.apartment
-    chosen = (
-        (table["robot"] == robot) & (table["apartment"] == scene) & (table["start"] == "anywhere")
-    )
-    chosen &= (table["length"] == settings.sequence_length) & (
-        table["field_of_view"] == settings.fields_of_view[0]
-    )
-    return table[chosen & table["threshold"].between(*RANGE)]
+    return table[
+        (table["robot"] == robot)
+        & (table["apartment"] == scene)
+        & (table["start"] == "anywhere")
+        & (table["length"] == settings.sequence_length)
+        & (table["field_of_view"] == settings.fields_of_view[0])
+        & table["threshold"].between(*THRESHOLDS)
+    ]
 
 
 def _of_robot(
     robot: str, scene: str, section: str, tables: dict[str, pd.DataFrame], config: Config
 ) -> list[Claim]:
-    described = load_robot(config.apartment.robots[robot].description)
-    groups = described.hierarchy
+    from ...worlds.apartment.robots.robot import load_robot
+
+    loaded = load_robot(config.apartment.robots[robot].description)
+    groups = loaded.hierarchy
     wheels = [
-        dof.name for dof in described.description.dofs if set(dof.joints) & set(described.wheels)
+        dof.name for dof in loaded.description.dofs if set(dof.joints) & set(loaded.wheels)
     ]
-    scps, steps = (
-        _rows(tables[name], robot, scene, config)
-        for name in ("apartment_scp", "apartment_hierarchy")
-    )
-    if scps.empty:
+    scp = _rows(tables["apartment_scp"], robot, scene, config)
+    steps = _rows(tables["apartment_hierarchy"], robot, scene, config)
+    if scp.empty:
         return []
-    return [
-        *(_wheels_lowest(robot, section, wheels, scps) if wheels else []),
-        *(_rising(robot, section, groups, steps) if len(groups) > 1 else []),
-    ]
+    claims = [_wheels_lowest(robot, section, wheels, scp)] if wheels else []
+    return claims + ([_rising(robot, section, groups, steps)] if len(groups) > 1 else [])
 
 
-def _wheels_lowest(robot: str, section: str, wheels: list[str], scps: pd.DataFrame) -> list[Claim]:
+def _wheels_lowest(robot: str, section: str, wheels: list[str], rows: pd.DataFrame) -> Claim:
     gaps = []
-    for threshold, rows in scps.groupby("threshold"):
-        scp = rows.set_index("dof")["scp"]
-        gaps.append(
-            (
-                scp.drop(wheels).min() - scp[wheels].max(),
-                threshold,
-                scp[wheels].idxmax(),
-                scp.drop(wheels).idxmin(),
-            )
-        )
+    for threshold, group in rows.groupby("threshold"):
+        scp = group.set_index("dof")["scp"]
+        others = scp.drop(wheels)
+        gap = others.min() - scp[wheels].max()
+        gaps.append((gap, threshold, scp[wheels].idxmax(), others.idxmin()))
     gap, threshold, *pair = min(gaps)
-    (wheel, other) = (
-        _with_interval(scps[(scps["threshold"] == threshold) & (scps["dof"] == dof)].iloc[0])
-        for dof in pair
+    at_threshold = rows[rows["threshold"] == threshold].set_index("dof")
+    wheel, other = (_with_interval(at_threshold.loc[dof]) for dof in pair)
+    measured = (
+        f"highest wheel {wheel}, next {pair[1]} {other} (threshold {threshold:g}, where it is "
+        "closest)"
     )
-    said = f"highest wheel {wheel}, next {pair[1]} {other} (threshold {threshold:g}, where it is closest)"
-    return [
-        Claim(
-            f"{robot}: the wheels have the lowest SCP",
-            section,
-            "wheels lowest",
-            said,
-            None,
-            None,
-            bool(gap > 0),
-        )
-    ]
+    return Claim(
+        f"{robot}: the wheels have the lowest SCP", section, "wheels lowest", measured, None, None,
+        bool(gap > 0),
+    )  # fmt: skip
 
 
-def _rising(
-    robot: str, section: str, groups: dict[str, list[str]], steps: pd.DataFrame
-) -> list[Claim]:
-    worst = steps.loc[steps["p_adjusted"].idxmax()]
+def _rising(robot: str, section: str, groups: dict[str, list[str]], steps: pd.DataFrame) -> Claim:
+    largest_p = format_p(steps.loc[steps["p_adjusted"].idxmax(), "p_adjusted"])
     rising = bool(((steps["difference"] < 0) & (steps["p_adjusted"] < ALPHA)).all())
     smallest = steps.loc[steps["difference"].idxmax()]
-    order = " < ".join(groups)
-    least = f"{smallest['difference']:+.3f} [{smallest['ci_low']:+.3f}, {smallest['ci_high']:+.3f}]"
-    told = f"smallest step {smallest['lower']} - {smallest['higher']} {least}, largest {p_of_claim(worst['p_adjusted'])}"
-    return [
-        Claim(
-            f"{robot}: the SCP rises along {order}",
-            section,
-            "rising outward",
-            told,
-            None,
-            None,
-            rising,
-        )
-    ]
+    interval = f"[{smallest['ci_low']:+.3f}, {smallest['ci_high']:+.3f}]"
+    measured = (
+        f"smallest step {smallest['lower']} - {smallest['higher']} "
+        f"{smallest['difference']:+.3f} {interval}, largest {largest_p}"
+    )
+    name = f"{robot}: the SCP rises along {' < '.join(groups)}"
+    return Claim(name, section, "rising outward", measured, None, None, rising)
 
 
 def _with_interval(row: pd.Series) -> str:
@@ -142,26 +127,23 @@ def _still(dof: str, robot: str, scene: str, scp: pd.DataFrame, config: Config) 
     if rows.empty:
         return None
     last = rows.loc[rows["threshold"].idxmax()]
-    said = (
+    measured = (
         f"{int(last['commuted'])} of {int(last['n'])} commuted at threshold {last['threshold']:g}"
     )
     return Claim(
-        f"{robot}: {dof} always commutes",
-        "III-C",
-        "SCP = 1",
-        said,
-        float(last["ci_low"]),
-        float(last["ci_high"]),
-        last["scp"] >= ALMOST,
-    )
+        f"{robot}: {dof} always commutes", "III-C", "SCP = 1", measured, float(last["ci_low"]),
+        float(last["ci_high"]), last["scp"] >= ALMOST_ONE,
+    )  # fmt: skip
 
 
 def _nearest_half(robot: str, scene: str, scp: pd.DataFrame, config: Config) -> Claim | None:
-    """Of the first joint of the arm, outwards from the base, at the reference threshold."""
-    described = load_robot(config.apartment.robots[robot].description)
-    arm = [joint.name for joint in described.joints if joint.kind != "prismatic"]
+    """About the first joint of the arm, outwards from the base, at the reference threshold."""
+    from ...worlds.apartment.robots.robot import load_robot
+
+    loaded = load_robot(config.apartment.robots[robot].description)
+    arm = [joint.name for joint in loaded.joints if joint.kind != "prismatic"]
     first = next(
-        (dof.name for dof in described.description.dofs if arm and arm[0] in dof.joints), None
+        (dof.name for dof in loaded.description.dofs if arm and arm[0] in dof.joints), None
     )
     rows = _rows(scp, robot, scene, config)
     rows = rows[
@@ -170,16 +152,11 @@ def _nearest_half(robot: str, scene: str, scp: pd.DataFrame, config: Config) -> 
     if rows.empty:
         return None
     row = rows.iloc[0]
-    holds = bool(0.25 < row["scp"] < 0.75)
     return Claim(
-        f"{robot}: the arm joint nearest the body has the SCP nearest .5",
-        "IV-A",
-        ".5",
-        f"{first} {row['scp']:.3f}",
-        row["ci_low"],
-        row["ci_high"],
-        holds,
-    )
+        f"{robot}: the arm joint nearest the body has the SCP nearest .5", "IV-A", ".5",
+        f"{first} {row['scp']:.3f}", row["ci_low"], row["ci_high"],
+        bool(0.25 < row["scp"] < 0.75),
+    )  # fmt: skip
 
 
 def _free(robot: str, scene: str, scp: pd.DataFrame, config: Config) -> Claim | None:
@@ -188,42 +165,28 @@ def _free(robot: str, scene: str, scp: pd.DataFrame, config: Config) -> Claim | 
         return None
     rows = rows[rows["threshold"] == rows["threshold"].min()]
     least = rows.loc[rows["scp"].idxmin()]
-    said = f"least {least['dof']} {int(least['commuted'])} of {int(least['n'])} (threshold {least['threshold']:g})"
-    return Claim(
-        f"{robot}: in free space everything commutes",
-        "II-D",
-        "SCP = 1",
-        said,
-        least["ci_low"],
-        least["ci_high"],
-        bool(least["scp"] >= FREE),
+    measured = (
+        f"least {least['dof']} {int(least['commuted'])} of {int(least['n'])} "
+        f"(threshold {least['threshold']:g})"
     )
+    return Claim(
+        f"{robot}: in free space everything commutes", "II-D", "SCP = 1", measured,
+        least["ci_low"], least["ci_high"], bool(least["scp"] >= FREE),
+    )  # fmt: skip
 
 
-def _same_for_all_thresholds(order: pd.DataFrame) -> Claim | None:
+def _same_at_all_thresholds(order: pd.DataFrame) -> Claim | None:
+    claim = ("the hierarchy is the same for all thresholds", "III-C", "20 to 100")
     rows = order[order["changed"] == "threshold"]
-    rows = rows[rows["value"].astype(float).between(*RANGE)]
+    rows = rows[rows["value"].astype(float).between(*THRESHOLDS)]
     if rows.empty:
         return None
     if rows["tau"].isna().any():
         undefined = ", ".join(rows.loc[rows["tau"].isna(), "value"])
-        return Claim(
-            "the hierarchy is the same for all thresholds",
-            "III-C",
-            "20 to 100",
-            f"undefined at {undefined}",
-            None,
-            None,
-            False,
-        )
+        return Claim(*claim, f"undefined at {undefined}", None, None, False)
     least = rows.loc[rows["tau"].idxmin()]
-    said = f"least Kendall's tau {least['tau']:.2f} (threshold {least['value']})"
-    interval = float(least["ci_low"]), float(least["ci_high"])
+    measured = f"least Kendall's tau {least['tau']:.2f} (threshold {least['value']})"
     return Claim(
-        "the hierarchy is the same for all thresholds",
-        "III-C",
-        "20 to 100",
-        said,
-        *interval,
-        bool(least["tau"] >= SAME),
-    )
+        *claim, measured, float(least["ci_low"]), float(least["ci_high"]),
+        bool(least["tau"] >= SAME_ORDER),
+    )  # fmt: skip

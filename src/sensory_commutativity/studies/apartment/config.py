@@ -1,16 +1,17 @@
-"""Everything that can be set about the apartment (paper, sections III-B and III-C, appendix C)."""
+"""Settings of robots in apartments (paper, sections III-B and III-C, appendix C)."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
-from ...storage.settings import Name, Section, known
+from ...storage.settings import Name, Section, check_defined
 
 Start = Literal["anywhere", "within-reach"]
+Experiments = Annotated[int, Field(ge=2, le=1_000_000)]
+Length = Annotated[int, Field(ge=1, le=2000)]
 
 
 class RobotConfig(Section):
@@ -23,7 +24,7 @@ class RobotConfig(Section):
 
 
 class SceneConfig(Section):
-    """Where a robot lives; without a file an empty floor that never ends."""
+    """A scene; without a file, an unbounded empty floor."""
 
     file: str | None = Field(
         None, description="YAML file: a floor plan, or a mesh file with movable objects."
@@ -36,14 +37,11 @@ class ApartmentReferenceConfig(Section):
     robot: Name = Field(description="A key of apartment.robots.")
     scene: Name = Field(description="A key of apartment.scenes.")
     threshold: float = Field(
-        50.0,
-        gt=0,
-        description="The one of apartment.thresholds that figures and tests take where they need one.",
-    )
-    experiments: int = Field(
-        ge=2,
-        le=1_000_000,
-        description="Start situations; every degree of freedom is tried from each.",
+        50.0, gt=0,
+        description="The one of apartment.thresholds for figures and tests that need a single one.",
+    )  # fmt: skip
+    experiments: Experiments = Field(
+        description="Start situations; every degree of freedom is tried from each."
     )
 
 
@@ -52,16 +50,14 @@ class ApartmentGroupConfig(Section):
 
     robots: list[Name] = Field(description="Keys of apartment.robots.")
     scenes: list[Name] = Field(description="Keys of apartment.scenes.")
-    experiments: int = Field(
-        ge=2, le=1_000_000, description="Start situations of every robot in every scene."
-    )
+    experiments: Experiments = Field(description="Start situations of every robot in every scene.")
 
 
 class ApartmentSensitivityConfig(Section):
     """Other lengths of the sequences, in the reference scene."""
 
-    lengths: list[Annotated[int, Field(ge=1, le=2000)]]
-    experiments: int = Field(ge=2, le=1_000_000)
+    lengths: list[Length] = Field(description="Numbers of actions.")
+    experiments: Experiments = Field(description="Start situations per length.")
 
 
 class ApartmentRun(NamedTuple):
@@ -79,12 +75,13 @@ class ApartmentConfig(Section):
 
     robots: dict[Name, RobotConfig] = Field(min_length=1)
     scenes: dict[Name, SceneConfig] = Field(min_length=1)
-    sequence_length: int = Field(
-        50, ge=1, le=2000, description="Actions in a sequence, a tenth of a second each."
+    sequence_length: Length = Field(
+        50, description="Actions in a sequence, a tenth of a second each."
     )
     rest_steps: int = Field(
-        3, ge=1, le=100, description="Steps without a command that end each sequence."
-    )
+        3, ge=1, le=100,
+        description="Steps without a command that end each sequence, everywhere in apartments.",
+    )  # fmt: skip
     thresholds: list[Annotated[float, Field(ge=0)]] = Field(
         min_length=1, description="Squared distances of VGG16 features that count as equal."
     )
@@ -95,26 +92,21 @@ class ApartmentConfig(Section):
         128, ge=32, le=1024, description="Height and width of the camera's picture, pixels."
     )
     supersampling: int = Field(
-        3,
-        ge=1,
-        le=8,
-        description="Samples per pixel, in each direction: without, edges flicker and nothing commutes.",
-    )
+        3, ge=1, le=8,
+        description="Samples per pixel, in each direction: without, edges flicker and nothing "
+        "commutes.",
+    )  # fmt: skip
     reach: float = Field(
-        0.15,
-        gt=0,
-        le=2,
-        description="Metres: starts within reach have something so close to the arm.",
-    )
+        0.15, gt=0, le=2,
+        description="Metres: starts within reach have an object this close to the arm.",
+    )  # fmt: skip
     weights: str | None = Field(
-        None, description="File with the VGG16 weights; null to fetch them once and keep them."
+        None, description="File with the VGG16 weights; null to download them once and keep them."
     )
     reference: ApartmentReferenceConfig
-    robots_compared: ApartmentGroupConfig = Field(description="Further robots (paper, appendix C).")
+    robots_compared: ApartmentGroupConfig = Field(description="Further robots (appendix C).")
     scenes_compared: ApartmentGroupConfig = Field(description="Further apartments.")
-    within_reach: ApartmentGroupConfig = Field(
-        description="Starts with something within the arm's reach."
-    )
+    within_reach: ApartmentGroupConfig = Field(description="Starts within the arm's reach.")
     free_space: ApartmentGroupConfig = Field(
         description="Where everything should commute: scenes without a file."
     )
@@ -124,22 +116,27 @@ class ApartmentConfig(Section):
     )
 
     @model_validator(mode="after")
-    def _fits_together(self) -> ApartmentConfig:
-        known(self.reference.robot, self.robots, "reference.robot", "apartment.robots")
-        known(self.reference.scene, self.scenes, "reference.scene", "apartment.scenes")
+    def _names_are_known(self) -> ApartmentConfig:
+        check_defined(self.reference.robot, self.robots, "reference.robot", "apartment.robots")
+        check_defined(self.reference.scene, self.scenes, "reference.scene", "apartment.scenes")
         for section in ("robots_compared", "scenes_compared", "within_reach", "free_space"):
             group: ApartmentGroupConfig = getattr(self, section)
             for kind, names in (("robots", group.robots), ("scenes", group.scenes)):
                 for name in names:
-                    known(name, getattr(self, kind), f"{section}.{kind}", f"apartment.{kind}")
+                    check_defined(name, getattr(self, kind), f"{section}.{kind}", f"apartment.{kind}")
         for name in self.free_space.scenes:
             if self.scenes[name].file is not None:
                 raise ValueError(
-                    f"free_space.scenes names {name!r}, which has a file; free space is a scene without one: {{}}"
+                    f"free_space.scenes names {name!r}, which has a file; free space is a scene "
+                    "without one: {}"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _numbers_fit_together(self) -> ApartmentConfig:
         if self.reference.threshold not in self.thresholds:
             raise ValueError(
-                f"reference.threshold {self.reference.threshold:g} is not among thresholds; add it there"
+                f"reference.threshold {self.reference.threshold:g} is not among thresholds; add it"
             )
         for key, values in (
             ("thresholds", self.thresholds),
@@ -148,12 +145,14 @@ class ApartmentConfig(Section):
         ):
             if len(set(values)) < len(values):
                 raise ValueError(
-                    f"{key} holds a number twice in {values}; remove one (the main sequence_length is always there)"
+                    f"{key} holds a number twice in {values}; remove one (the main "
+                    "sequence_length is always included)"
                 )
         if self.sensitivity.experiments > self.reference.experiments:
             raise ValueError(
-                f"sensitivity.experiments {self.sensitivity.experiments} is more than reference.experiments {self.reference.experiments}, "
-                "from which the main length is taken; set it no higher"
+                f"sensitivity.experiments {self.sensitivity.experiments} is more than "
+                f"reference.experiments {self.reference.experiments}, from which the main length "
+                "is taken; set it no higher"
             )
         if list(self.thresholds) != sorted(self.thresholds):
             raise ValueError(f"thresholds {self.thresholds} do not rise; write the lowest first")
@@ -166,42 +165,28 @@ class ApartmentConfig(Section):
         return self
 
     def views(self, run: ApartmentRun) -> list[float]:
-        """Through which fields of view a run is seen: all in the reference, else the main one."""
-        return list(self.fields_of_view) if run == next(self._runs()) else self.fields_of_view[:1]
-
-    def n_jobs(self, experiments: int) -> int:
-        """Into how many jobs so many start situations are cut."""
-        return math.ceil(experiments / self.experiments_per_job)
+        """Fields of view of a run, degrees: all in the reference, else the main one."""
+        reference = run == next(self._runs())
+        return list(self.fields_of_view) if reference else self.fields_of_view[:1]
 
     def runs(self) -> list[ApartmentRun]:
         """All SC-experiments, in the order of the sections."""
         return list(self._runs())
 
     def _runs(self) -> Iterator[ApartmentRun]:
-        reference = self.reference
+        reference, length = self.reference, self.sequence_length
         yield ApartmentRun(
-            reference.robot,
-            reference.scene,
-            "anywhere",
-            self.sequence_length,
-            reference.experiments,
+            reference.robot, reference.scene, "anywhere", length, reference.experiments
         )
         for group in (self.robots_compared, self.scenes_compared, self.free_space):
             for robot in group.robots:
                 for scene in group.scenes:
-                    yield ApartmentRun(
-                        robot, scene, "anywhere", self.sequence_length, group.experiments
-                    )
-        for robot in self.within_reach.robots:
-            for scene in self.within_reach.scenes:
-                yield ApartmentRun(
-                    robot,
-                    scene,
-                    "within-reach",
-                    self.sequence_length,
-                    self.within_reach.experiments,
-                )
-        for length in self.sensitivity.lengths:
+                    yield ApartmentRun(robot, scene, "anywhere", length, group.experiments)
+        within = self.within_reach
+        for robot in within.robots:
+            for scene in within.scenes:
+                yield ApartmentRun(robot, scene, "within-reach", length, within.experiments)
+        for other in self.sensitivity.lengths:
             yield ApartmentRun(
-                reference.robot, reference.scene, "anywhere", length, self.sensitivity.experiments
+                reference.robot, reference.scene, "anywhere", other, self.sensitivity.experiments
             )

@@ -1,4 +1,5 @@
-"""The paper's hierarchy of the degrees of freedom (section III-C), as pairs to compare, and what counts as found."""
+"""The paper's hierarchy of the degrees of freedom in Flatland (section III-C), as pairs to
+compare."""
 
 from __future__ import annotations
 
@@ -11,22 +12,19 @@ ALPHA = 0.001
 
 Pairs = tuple[tuple[str, str], ...]
 
+BASE = ("base-longitudinal", "base-rotation")
+SHOULDERS = ("left-shoulder", "right-shoulder")
+ELBOWS = ("left-elbow", "right-elbow")
+STILL = ("head", "eyelid")
+
 HIERARCHY: dict[str, Pairs] = {
-    "base below elbows": tuple(
-        (b, e)
-        for b in ("base-longitudinal", "base-rotation")
-        for e in ("left-elbow", "right-elbow")
-    ),
-    "shoulders below elbows": tuple(
-        (s, e) for s in ("left-shoulder", "right-shoulder") for e in ("left-elbow", "right-elbow")
-    ),
-    "elbows below head and eyelid": tuple(
-        (e, still) for e in ("left-elbow", "right-elbow") for still in ("head", "eyelid")
-    ),
+    "base below elbows": tuple((low, high) for low in BASE for high in ELBOWS),
+    "shoulders below elbows": tuple((low, high) for low in SHOULDERS for high in ELBOWS),
+    "elbows below head and eyelid": tuple((low, high) for low in ELBOWS for high in STILL),
 }
 """Steps of the hierarchy -> pairs (lower SCP, higher SCP)."""
 
-LEFT_AND_RIGHT: Pairs = (("left-shoulder", "right-shoulder"), ("left-elbow", "right-elbow"))
+LEFT_AND_RIGHT: Pairs = (SHOULDERS, ELBOWS)
 """Pairs that should be equal."""
 
 
@@ -40,11 +38,13 @@ class Difference(NamedTuple):
     n: int
 
 
-def ordered_difference(comparisons: pd.DataFrame, low: str, high: str) -> Difference:
-    """SCP(low) - SCP(high) from the rows of flatland_comparisons of one agent in one world, whichever way round they hold the pair."""
-    row = comparisons[
-        comparisons["dof_a"].isin((low, high)) & comparisons["dof_b"].isin((low, high))
-    ].iloc[0]
+def find_difference(comparisons: pd.DataFrame, low: str, high: str) -> Difference:
+    """SCP(low) - SCP(high), whichever way round the table holds the pair.
+
+    `comparisons` are the rows of flatland_comparisons of one agent in one world.
+    """
+    pair = (low, high)
+    row = comparisons[comparisons["dof_a"].isin(pair) & comparisons["dof_b"].isin(pair)].iloc[0]
     if row["dof_a"] == low:
         ends = row["difference"], row["ci_low"], row["ci_high"]
     else:

@@ -1,7 +1,9 @@
-"""The prediction-error alternative (paper, appendix A): how hard is it to foresee what a degree of freedom does to the sensors?
+"""The prediction-error alternative (paper, appendix A): how hard it is to predict what a degree of
+freedom does to the sensors.
 
-A feed-forward network takes sensors and action at time t and predicts the sensors at t + 1; two hidden layers as wide as the input. What the paper
-leaves open (activation, optimiser, its settings) is chosen in ``config/`` and ``docs/differences.md``.
+A feed-forward network takes sensors and action at time t and predicts the sensors at t + 1; its two
+hidden layers are as wide as the input. What the paper leaves open (activation, optimizer and its
+settings) is chosen in ``config/`` and explained in ``docs/differences.md``.
 """
 
 from __future__ import annotations
@@ -16,7 +18,8 @@ from .transitions import Transitions
 
 
 def _inputs_and_targets(transitions: Transitions) -> tuple[torch.Tensor, torch.Tensor]:
-    """Inputs float32 (n, pixels * 3 + n_dofs), targets float32 (n, pixels * 3); colours in [0, 1]."""
+    """Inputs float32 (n, pixels * 3 + n_dofs) and targets float32 (n, pixels * 3), colours in
+    [0, 1]."""
     before, after = transitions.observations[:, :-1], transitions.observations[:, 1:]
     n = before.shape[0] * before.shape[1]
     sensors = torch.from_numpy(before.reshape(n, -1).astype(np.float32) / 255)
@@ -27,7 +30,7 @@ def _inputs_and_targets(transitions: Transitions) -> tuple[torch.Tensor, torch.T
 
 
 def make_network(n_inputs: int, n_outputs: int) -> nn.Module:
-    """Two hidden layers with as many neurons as there are inputs."""
+    """Two hidden layers with as many units as there are inputs."""
     return nn.Sequential(
         nn.Linear(n_inputs, n_inputs),
         nn.ReLU(),
@@ -38,14 +41,16 @@ def make_network(n_inputs: int, n_outputs: int) -> nn.Module:
 
 
 def prediction_error(transitions: Transitions, settings: BaselinesConfig, seed: int) -> np.ndarray:
-    """Train on the first sequences, test on the rest.
+    """Train on the first sequences and test on the rest.
 
-    Whole sequences are for training or for testing, so that no test transition has a neighbour in the training set.
+    Whole sequences are for training or for testing, so that no test transition has a neighbour in
+    the training set.
 
     Returns
     -------
     float64 (test sequences,)
-        Mean squared error of the predicted observation, averaged over each test sequence; squared 8-bit colour.
+        Mean squared error of the predicted observation, averaged over each test sequence; squared
+        8-bit colour.
     """
     torch.set_num_threads(1)
     length = transitions.actions.shape[1]
@@ -57,13 +62,13 @@ def prediction_error(transitions: Transitions, settings: BaselinesConfig, seed: 
         torch.manual_seed(seed)
         network = make_network(inputs.shape[1], targets.shape[1])
     shuffle = torch.Generator().manual_seed(seed)
-    optimiser = torch.optim.Adam(network.parameters(), lr=settings.learning_rate)
-    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, settings.epochs)
+    optimizer = torch.optim.Adam(network.parameters(), lr=settings.learning_rate)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, settings.epochs)
     for _ in progress(range(settings.epochs), "training the network", "epoch"):
         for chosen in torch.randperm(len(inputs), generator=shuffle).split(settings.batch_size):
-            optimiser.zero_grad(set_to_none=True)
+            optimizer.zero_grad(set_to_none=True)
             nn.functional.mse_loss(network(inputs[chosen]), targets[chosen]).backward()
-            optimiser.step()
+            optimizer.step()
         schedule.step()
     inputs, targets = _inputs_and_targets(
         Transitions(transitions.observations[training:], transitions.actions[training:])

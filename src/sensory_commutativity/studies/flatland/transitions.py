@@ -1,4 +1,4 @@
-"""Transitions: what was sensed before and after an action on one degree of freedom."""
+"""Transitions: observations before and after an action on one degree of freedom."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ class Transitions(NamedTuple):
 
 
 def collect_transitions(config: Config, dof: str) -> Transitions:
-    """Play sequences of `dof` from random start situations of the reference world; all degrees of freedom share the situations."""
+    """Play sequences of `dof` from random start situations of the reference world.
+
+    All degrees of freedom share the situations.
+    """
     flatland = config.flatland
     world = flatland_world(flatland, flatland.reference.world, flatland.reference.agent)
     names = [d.name for d in world.dofs]
@@ -43,5 +46,5 @@ def collect_transitions(config: Config, dof: str) -> Transitions:
         sequence = sample_sequence(generator(seed, "sequence", dof), length, k, len(names))
         actions[i] = sequence
         observations[i, 0] = world.observe()
-        observations[i, 1:] = world.watch(sequence)
+        observations[i, 1:] = world.rollout(sequence)
     return Transitions(observations, actions)

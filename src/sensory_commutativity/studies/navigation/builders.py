@@ -1,86 +1,163 @@
-"""The navigation task that the configuration describes, and the action spaces that the measured SCPs make of it."""
+"""What the configuration of the navigation study describes: task, action spaces, training runs."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
-from gymnasium.vector import AutoresetMode
 
 from ...errors import ConfigError
-from ...navigation.action_spaces import ScaledActions, Scp, action_scales, scp_of
-from ...navigation.task import NavigationEnv, NavigationVectorEnv, Zone, room_with_zones
 from ...seeding import generator, seed_for
-from ...worlds.flatland.agent import Polyphemus
-from ...worlds.flatland.room import PlacementError, Room, draw_situation
 from ..config import Config
-from ..flatland.builders import TRIED, flatland_agent, flatland_room
+from ..flatland.builders import CHECKED_SITUATIONS, flatland_agent, flatland_room
+
+if TYPE_CHECKING:
+    from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
+
+    from ...navigation.settings import LearnerSettings, TrainingRun
+    from ...navigation.task import NavigationEnv, NavigationTask
+
+EVALUATION_ONLY = {
+    "seeds", "action_spaces", "calibration_splits", "threshold_return", "solved_success_rate",
+    "primary_measure", "alpha",
+}  # fmt: skip
+"""Keys of the section `navigation` that no single training run depends on."""
 
 
-def task_parts(config: Config) -> tuple[Room, tuple[Zone, ...], Polyphemus]:
-    """Room, zones and agent of the task."""
+def navigation_task(config: Config) -> NavigationTask:
+    """Room, zones, agent and time limit."""
+    from ...navigation.task import NavigationTask, RewardZone
+
     navigation = config.navigation
-    zones = tuple(Zone(zone.x, zone.y, zone.radius, zone.reward) for zone in navigation.zones)
-    return (
+    return NavigationTask(
         flatland_room(config.flatland, navigation.world),
-        zones,
+        tuple(RewardZone(zone.x, zone.y, zone.radius, zone.reward) for zone in navigation.zones),
         flatland_agent(config.flatland, navigation.agent),
+        navigation.max_episode_steps,
     )
 
 
 def navigation_environment(config: Config, render_mode: str | None = None) -> NavigationEnv:
-    """The task in one room, with the whole action space."""
-    room, zones, agent = task_parts(config)
-    return NavigationEnv(room, zones, agent, config.navigation.max_episode_steps, render_mode)
-
-
-def navigation_rooms(config: Config, n: int, scales: Mapping[str, float]) -> ScaledActions:
-    """The task in `n` rooms; `scales` (degree of freedom -> scale, in the order of the actions) make the action space.
-
-    An ended episode is reset in the same step.
-    """
-    room, zones, agent = task_parts(config)
-    rooms = NavigationVectorEnv(
-        n, room, zones, agent, config.navigation.max_episode_steps, AutoresetMode.SAME_STEP
-    )
-    return ScaledActions(rooms, list(scales.values()))
+    """The task as a single environment, with the full action space."""
+    return navigation_task(config).make_env(render_mode)
 
 
 def measured_scp(config: Config, scp_table: pd.DataFrame) -> dict[str, float]:
-    """Degree of freedom -> SCP of the agent that learns, from a table that the workflow measured: flatland_scp or navigation_scp. Raises ScpError."""
-    flatland, navigation = config.flatland, config.navigation
-    dofs = [dof.name for dof in flatland_agent(flatland, navigation.agent).dofs]
-    return scp_of(scp_table, dofs, navigation.scp_world, navigation.agent, flatland.sequence_length)
+    """SCP of each degree of freedom of the learning agent, as measured by the workflow.
 
+    Parameters
+    ----------
+    config : Config
+    scp_table : DataFrame
+        The table flatland_scp or navigation_scp.
 
-def scales_of_run(config: Config, scp: Scp, action_space: str, seed: int) -> dict[str, float]:
-    """Degree of freedom -> scale of the action space in the run `seed`."""
-    return action_scales(
-        action_space,
-        scp,
-        generator(seed_for(config.seed, "navigation", action_space, seed), "half"),
+    Raises
+    ------
+    ScpError
+        If the table lacks a degree of freedom.
+    """
+    from ...navigation.action_spaces import scp_from_table
+
+    navigation = config.navigation
+    dofs = [dof.name for dof in flatland_agent(config.flatland, navigation.agent).dofs]
+    return scp_from_table(
+        scp_table, dofs, navigation.scp_world, navigation.agent, config.flatland.sequence_length
     )
 
 
-def evaluation_seeds(config: Config) -> list[int]:
-    """Seeds of the evaluation's episodes, the same for every run."""
-    return [
+def scales_of_run(
+    config: Config, scp: Mapping[str, float], action_space: str, seed: int
+) -> dict[str, float]:
+    """Scale of each degree of freedom in the run `seed` of an action space."""
+    from ...navigation.action_spaces import action_scales
+
+    run_seed = seed_for(config.seed, "navigation", action_space, seed)
+    return action_scales(action_space, scp, generator(run_seed, "half"))
+
+
+def evaluation_seeds(config: Config) -> tuple[int, ...]:
+    """Seeds of the evaluation episodes, the same for every run."""
+    return tuple(
         seed_for(config.seed, "navigation", "evaluation", i)
         for i in range(config.navigation.evaluation_episodes)
-    ]
+    )
+
+
+def learner_settings(config: Config) -> LearnerSettings:
+    """Hyperparameters of the learner."""
+    from ...navigation.settings import LearnerSettings
+
+    return LearnerSettings(**config.navigation.learner.model_dump())
+
+
+def settings_of_run(config: Config, scales: Mapping[str, float]) -> str:
+    """Everything that a run depends on, except for its seed and the name of its action space.
+
+    Returns
+    -------
+    str
+        JSON.
+    """
+    flatland, navigation = config.flatland, config.navigation
+    sections = dict(
+        world=flatland.worlds[navigation.world],
+        agent=flatland.agents[navigation.agent],
+        navigation=navigation,
+    )
+    settings = {
+        name: section.model_dump(mode="json", exclude=EVALUATION_ONLY)
+        for name, section in sections.items()
+    }
+    return json.dumps(dict(seed=config.seed, scales=scales, **settings))
+
+
+def training_run(
+    config: Config, action_space: str, seed: int, scales: Mapping[str, float]
+) -> TrainingRun:
+    """The run `seed` of an action space, ready for :func:`.navigation.training.train`."""
+    from ...navigation.settings import TrainingRun
+
+    navigation = config.navigation
+    return TrainingRun(
+        task=navigation_task(config),
+        action_space=action_space,
+        seed=seed,
+        scales=scales,
+        learner=learner_settings(config),
+        steps=navigation.steps,
+        checkpoints=navigation.checkpoints,
+        evaluation_seeds=evaluation_seeds(config),
+        root_seed=config.seed,
+        settings=settings_of_run(config, scales),
+    )
+
+
+def trained_policy(config: Config, model: dict[str, Any], where: str) -> RecurrentActorCriticPolicy:
+    """Restore the policy of `model`, read from the file `where`.
+
+    Raises CheckpointError if it holds none, or one that was trained with other settings.
+    """
+    from ...navigation.training import check_model, policy_of_run
+
+    check_model(model, where)
+    settings = settings_of_run(config, model["scales"])
+    return policy_of_run(model, navigation_task(config), learner_settings(config), settings, where)
 
 
 def check_navigation(config: Config) -> None:
-    """Raise ConfigError when the agent finds no place to start outside the zones."""
-    room, zones, agent = task_parts(config)
+    """Raise ConfigError if the agent finds no start position outside the zones."""
+    from ...navigation.task import room_with_zones
+    from ...worlds.flatland.room import PlacementError, sample_situation
+
+    task = navigation_task(config)
+    room = room_with_zones(task.room, task.zones)
     try:
-        for i in range(TRIED):
-            draw_situation(
-                room_with_zones(room, zones),
-                agent,
-                generator(config.seed, "check", "navigation", i),
-            )
+        for i in range(CHECKED_SITUATIONS):
+            rng = generator(config.seed, "check", "navigation", i)
+            sample_situation(room, task.agent, rng)
     except PlacementError as error:
         raise ConfigError(
-            f"config: navigation.zones leave too little room to start: {error}"
+            f"config: navigation.zones leave too little space to start: {error}"
         ) from None

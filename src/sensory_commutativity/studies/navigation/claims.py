@@ -1,20 +1,25 @@
-"""The paper's claims about learning (section IV-B), each decided by a rule; docs/differences.md says when each was fixed.
+"""The paper's claims about learning (section IV-B), each decided by a rule; docs/differences.md
+says when each was fixed.
 
-- "viable": at least half of the runs of each of the paper's action spaces reach the threshold return;
-- "more than twice as fast": the mean of the steps to the threshold is less than half, with an interval of the ratio below 0.5 and a Holm-adjusted
-  p-value of Welch's test against half of the steps below alpha;
-- "faster", "slower": the difference of the mean steps has the right sign and a Holm-adjusted p-value of Welch's test below alpha.
+- "Viable": at least half of the runs of each of the paper's action spaces reach the threshold
+  return.
+- "More than twice as fast": the mean of the steps to the threshold is less than half, with an
+  interval of the ratio below 0.5 and a Holm-adjusted p-value of Welch's test against half of the
+  steps below alpha.
+- "Faster", "slower": the difference of the mean steps has the right sign and a Holm-adjusted
+  p-value of Welch's test below alpha.
 
-Runs that do not reach the threshold are censored: they count with their full length, so the means are restricted to the budget. The difference to
-an action space with more censored runs is then smaller than it would be without a budget. The log-rank test, which knows what censored means, must
-agree.
+Runs that do not reach the threshold are censored: they count with their full length, so the means
+are restricted to the budget. The difference to an action space with more censored runs is then
+smaller than it would be without a budget. The log-rank test, which takes censoring into account,
+must agree.
 """
 
 from __future__ import annotations
 
 import pandas as pd
 
-from ..claims import Claim, p_of_claim
+from ..claims import Claim, format_p
 from ..config import Config
 from .config import PAPER_SPACES
 from .tables.navigation_comparisons import HALF, LOG_RANK, STEPS, WELCH
@@ -31,22 +36,14 @@ def navigation_claims(
         _viable(summary, config),
         _twice(comparisons, summary, config),
         _sooner(
-            "SCP-adapted learns faster than the full action space",
-            "adapted",
-            "full",
-            comparisons,
-            summary,
-            config,
+            "SCP-adapted learns faster than the full action space", "adapted", "full",
+            comparisons, summary, config,
         ),
         _sooner(
-            "SCP-adapted learns slower than SCP-truncated",
-            "truncated",
-            "adapted",
-            comparisons,
-            summary,
-            config,
+            "SCP-adapted learns slower than SCP-truncated", "truncated", "adapted",
+            comparisons, summary, config,
         ),
-    ]
+    ]  # fmt: skip
 
 
 def _viable(summary: pd.DataFrame, config: Config) -> Claim:
@@ -56,14 +53,14 @@ def _viable(summary: pd.DataFrame, config: Config) -> Claim:
     }
     least = min(_count(summary, name, "reached") for name in PAPER_SPACES)
     n = len(config.navigation.seeds)
-    said = (
+    measured = (
         f"of {n} runs the threshold is reached by {counts['reached']}; solved by {counts['solved']}"
     )
     return Claim(
         "every action space can solve the task",
         SECTION,
         "all viable",
-        said,
+        measured,
         None,
         None,
         least >= VIABLE * n,
@@ -77,16 +74,18 @@ def _twice(comparisons: pd.DataFrame, summary: pd.DataFrame, config: Config) -> 
         and half["p_adjusted"] < config.navigation.alpha
         and half["statistic"] < 0
     )
-    said = (
-        f"ratio of restricted mean steps {half['effect_size']:.2f} [{half['ci_low']:.2f}, {half['ci_high']:.2f}], against a half "
-        f"{p_of_claim(half['p_adjusted'])}; {_ranked(comparisons, 'truncated', 'full')}; {_lost(summary, 'truncated', 'full')}"
+    measured = (
+        f"ratio of restricted mean steps {half['effect_size']:.2f} "
+        f"[{half['ci_low']:.2f}, {half['ci_high']:.2f}], against a half "
+        f"{format_p(half['p_adjusted'])}; {_log_rank_p(comparisons, 'truncated', 'full')}; "
+        f"{_censored(summary, 'truncated', 'full')}"
     )
     holds = bool(holds and _agrees(comparisons, "truncated", "full", config))
     return Claim(
         "SCP-truncated learns more than twice as fast as the full action space",
         SECTION,
         "steps below half",
-        said,
+        measured,
         None,
         None,
         holds,
@@ -98,7 +97,10 @@ def _sooner(
 ) -> Claim:
     test = _test(comparisons, WELCH, a, b)
     interval = f"{test['difference']:+,.0f} [{test['ci_low']:+,.0f}, {test['ci_high']:+,.0f}]"
-    said = f"restricted mean steps of {a} less those of {b}: {interval}, {p_of_claim(test['p_adjusted'])}"
+    measured = (
+        f"restricted mean steps of {a} less those of {b}: {interval}, "
+        f"{format_p(test['p_adjusted'])}"
+    )
     holds = (
         test["difference"] < 0
         and test["p_adjusted"] < config.navigation.alpha
@@ -108,7 +110,7 @@ def _sooner(
         name,
         SECTION,
         "fewer steps",
-        f"{said}; {_ranked(comparisons, a, b)}; {_lost(summary, a, b)}",
+        f"{measured}; {_log_rank_p(comparisons, a, b)}; {_censored(summary, a, b)}",
         None,
         None,
         bool(holds),
@@ -126,23 +128,22 @@ def _test(comparisons: pd.DataFrame, test: str, a: str, b: str) -> pd.Series:
 
 
 def _agrees(comparisons: pd.DataFrame, a: str, b: str, config: Config) -> bool:
-    """Whether the log-rank test finds that a is sooner there."""
+    """Whether the log-rank test finds that a reaches the threshold sooner."""
     test = _test(comparisons, LOG_RANK, a, b)
     return bool(test["statistic"] > 0 and test["p_adjusted"] < config.navigation.alpha)
 
 
-def _ranked(comparisons: pd.DataFrame, a: str, b: str) -> str:
-    return f"log-rank {p_of_claim(_test(comparisons, LOG_RANK, a, b)['p_adjusted'])}"
+def _log_rank_p(comparisons: pd.DataFrame, a: str, b: str) -> str:
+    return f"log-rank {format_p(_test(comparisons, LOG_RANK, a, b)['p_adjusted'])}"
 
 
 def _count(summary: pd.DataFrame, action_space: str, measure: str) -> int:
-    row = summary[(summary["action_space"] == action_space) & (summary["measure"] == measure)].iloc[
-        0
-    ]
+    chosen = (summary["action_space"] == action_space) & (summary["measure"] == measure)
+    row = summary[chosen].iloc[0]
     return round(row["mean"] * row["n"])
 
 
-def _lost(summary: pd.DataFrame, *action_spaces: str) -> str:
+def _censored(summary: pd.DataFrame, *action_spaces: str) -> str:
     """How many runs are censored."""
     n = int(summary["n"].iloc[0])
     return "censored " + ", ".join(

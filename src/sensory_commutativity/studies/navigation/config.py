@@ -1,4 +1,4 @@
-"""Everything that can be set about learning to navigate (paper, section IV-B)."""
+"""Settings of learning to navigate (paper, section IV-B)."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ Measure = Literal["final_return", "auc", "success_rate", "steps_to_threshold"]
 class ZoneConfig(Section):
     """A disc on the floor that ends the episode when the agent's base touches it."""
 
-    x: float = Field(ge=0, le=5000, description="Middle, units.")
-    y: float = Field(ge=0, le=5000, description="Middle, units.")
+    x: float = Field(ge=0, le=5000, description="Center, units.")
+    y: float = Field(ge=0, le=5000, description="Center, units.")
     radius: float = Field(gt=0, le=1000, description="Units.")
     reward: float = Field(
         ge=-1000,
@@ -36,7 +36,7 @@ class ZoneConfig(Section):
 class LearnerConfig(Section):
     """Recurrent PPO, the same for every action space."""
 
-    rooms: int = Field(32, ge=1, le=1024, description="Rooms that are played side by side.")
+    rooms: int = Field(32, ge=1, le=1024, description="Rooms that are simulated in parallel.")
     rollout_steps: int = Field(
         64, ge=4, le=4096, description="Steps of every room between two updates."
     )
@@ -52,7 +52,7 @@ class LearnerConfig(Section):
         0.99, gt=0, lt=1, description="Gamma: what a reward one step later is worth."
     )
     gae_lambda: float = Field(
-        0.95, ge=0, le=1, description="Lambda of generalised advantage estimation."
+        0.95, ge=0, le=1, description="Lambda of generalized advantage estimation."
     )
     clip_range: float = Field(
         0.2, gt=0, le=1, description="PPO's clipping of the probability ratio."
@@ -60,7 +60,7 @@ class LearnerConfig(Section):
     entropy_coefficient: float = Field(0.0, ge=0, le=1, description="Weight of the entropy bonus.")
     value_coefficient: float = Field(0.5, ge=0, le=10, description="Weight of the value loss.")
     max_gradient_norm: float = Field(
-        0.5, gt=0, le=100, description="Longer gradients are shortened to it."
+        0.5, gt=0, le=100, description="Gradients are clipped to this norm."
     )
     features: int = Field(64, ge=1, le=4096, description="Outputs of the convolutional extractor.")
     memory: int = Field(64, ge=1, le=4096, description="Units of the LSTM.")
@@ -86,8 +86,9 @@ class LearnerConfig(Section):
     def _batches_are_rooms(self) -> LearnerConfig:
         if self.batch_size % self.rollout_steps or self.rollout % self.batch_size:
             raise ValueError(
-                f"batch_size {self.batch_size} must be rollout_steps {self.rollout_steps} times a number of rooms that divides rooms {self.rooms}: "
-                "a minibatch is the whole rollout of some rooms"
+                f"batch_size {self.batch_size} must be rollout_steps {self.rollout_steps} times a "
+                f"number of rooms that divides rooms {self.rooms}: a minibatch is the whole "
+                "rollout of some rooms"
             )
         return self
 
@@ -98,7 +99,8 @@ class NavigationConfig(Section):
     world: Name = Field("arena", description="A key of flatland.worlds: the room of the task.")
     agent: Name = Field(
         "sprinter",
-        description="A key of flatland.agents: who learns, and whose SCP makes the action spaces.",
+        description="A key of flatland.agents: the agent that learns, whose SCP determines the "
+        "action spaces.",
     )
     scp_world: Name = Field(
         "furnished", description="A key of flatland.worlds: where that agent's SCP is measured."
@@ -111,7 +113,8 @@ class NavigationConfig(Section):
     )
     action_spaces: list[ActionSpace] = Field(
         min_length=3,
-        description="full, truncated and adapted, which the paper compares, and any of the controls random-half and inverse.",
+        description="full, truncated and adapted, which the paper compares, and any of the "
+        "controls random-half and inverse.",
     )
     seeds: list[Annotated[int, Field(ge=0, lt=2**32)]] = Field(
         min_length=4, description="A training run of every action space for each of them."
@@ -119,7 +122,8 @@ class NavigationConfig(Section):
     steps: int = Field(
         ge=1,
         le=1_000_000_000,
-        description="Environment steps of a run: a multiple of checkpoints x rooms x rollout_steps.",
+        description="Environment steps of a run: a multiple of checkpoints x rooms x "
+        "rollout_steps.",
     )
     checkpoints: int = Field(
         ge=2,
@@ -156,14 +160,19 @@ class NavigationConfig(Section):
     learner: LearnerConfig = Field(default_factory=LearnerConfig)
 
     @model_validator(mode="after")
-    def _fits_together(self) -> NavigationConfig:
+    def _steps_fit(self) -> NavigationConfig:
         segment = self.checkpoints * self.learner.rollout
         if self.steps % segment:
             remedy = max(1, round(self.steps / segment)) * segment
             raise ValueError(
-                f"steps {self.steps} is no multiple of {segment} (checkpoints {self.checkpoints} x learner.rooms {self.learner.rooms} "
-                f"x learner.rollout_steps {self.learner.rollout_steps}); set it to {remedy}"
+                f"steps {self.steps} is no multiple of {segment} (checkpoints {self.checkpoints} "
+                f"x learner.rooms {self.learner.rooms} x learner.rollout_steps "
+                f"{self.learner.rollout_steps}); set it to {remedy}"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> NavigationConfig:
         for key, values in (("seeds", self.seeds), ("action_spaces", self.action_spaces)):
             twice = sorted({str(value) for value in values if values.count(value) > 1})
             if twice:
@@ -180,13 +189,15 @@ class NavigationConfig(Section):
         best = max(zone.reward for zone in self.zones)
         if self.threshold_return > best:
             raise ValueError(
-                f"threshold_return {self.threshold_return:g} is more than the best reward {best:g}; set it lower"
+                f"threshold_return {self.threshold_return:g} is more than the best reward "
+                f"{best:g}; set it lower"
             )
         for i, one in enumerate(self.zones):
             for other in self.zones[:i]:
                 if math.hypot(one.x - other.x, one.y - other.y) < one.radius + other.radius:
                     raise ValueError(
-                        f"zones: the one at ({one.x:g}, {one.y:g}) overlaps the one at ({other.x:g}, {other.y:g}); move or shrink one of them"
+                        f"zones: the one at ({one.x:g}, {one.y:g}) overlaps the one at "
+                        f"({other.x:g}, {other.y:g}); move or shrink one of them"
                     )
         return self
 

@@ -1,1 +1,1 @@
-"""A robot in a furnished apartment, on PyBullet (paper, section III-B)."""
+"""A robot in a furnished apartment, simulated by PyBullet (paper, section III-B)."""

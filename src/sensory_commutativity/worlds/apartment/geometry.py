@@ -1,7 +1,8 @@
-"""Meshes: boxes, cylinders, spheres, solids of revolution, handles, and what is read from files.
+"""Triangle meshes: primitives, solids of revolution, and mesh files.
 
-All lengths are metres. Faces are counter-clockwise seen from outside. Textures repeat once per metre on boxes and meshes from files, whatever their
-size, so that a tile is a tile everywhere; round shapes carry a texture once around.
+All lengths are in metres. Faces are counter-clockwise seen from outside. Textures repeat once per
+metre on boxes and on meshes from files, whatever their size, so a floor tile has the same size
+everywhere; round shapes carry a texture once around.
 """
 
 from __future__ import annotations
@@ -9,26 +10,46 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from . import frames as fr
 from .scenes.scene import UPRIGHT, Mesh, Quaternion, Vector
 
+_UV_END = 0.999  # just below 1, where the next repetition of a texture begins
+
+# The sides of a box: its corners (numbered as in `box`) in order around it, and the two axes along
+# which the texture runs, across and up.
+_BOX_SIDES = (
+    ((0, 1, 3, 2), 1, 2),
+    ((4, 6, 7, 5), 1, 2),
+    ((0, 4, 5, 1), 0, 2),
+    ((2, 3, 7, 6), 0, 2),
+    ((0, 2, 6, 4), 0, 1),
+    ((1, 5, 7, 3), 0, 1),
+)
+
+# ---- primitives ------------------------------------------------------------------------------
+
 
 def box(half: Sequence[float], repeat: float = 1.0) -> Mesh:
-    """A box around the origin with half sizes `half`; the texture repeats `repeat` times per metre."""
-    corners = np.array(
-        [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float64
-    ) * np.asarray(half, np.float64)
-    # Sides, each with its corners in order around it and the axes that its texture runs along.
-    sides = (
-        ((0, 1, 3, 2), 1, 2), ((4, 6, 7, 5), 1, 2), ((0, 4, 5, 1), 0, 2), ((2, 3, 7, 6), 0, 2), ((0, 2, 6, 4), 0, 1), ((1, 5, 7, 3), 0, 1),
-    )  # fmt: skip
+    """Return a box centred on the origin.
+
+    Parameters
+    ----------
+    half : sequence of float
+        Half the size along x, y and z, metres.
+    repeat : float
+        Repetitions of the texture per metre.
+    """
+    signs = [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    corners = np.array(signs, np.float64) * np.asarray(half, np.float64)  # (8, 3)
     faces, uv = [], []
-    for ring, across, up in sides:
+    for ring, across, up in _BOX_SIDES:
         at = [(corners[i, across] * repeat, -corners[i, up] * repeat) for i in ring]
         faces += [(ring[0], ring[1], ring[2]), (ring[0], ring[2], ring[3])]
         uv += [(at[0], at[1], at[2]), (at[0], at[2], at[3])]
@@ -36,76 +57,83 @@ def box(half: Sequence[float], repeat: float = 1.0) -> Mesh:
 
 
 def panel(half: Sequence[float]) -> Mesh:
-    """As :func:`box`, but every side carries a texture exactly once: pictures, screens, the spines of books."""
+    """Return a :func:`box` of which every side carries the texture exactly once.
+
+    For pictures, screens and the spines of books.
+    """
     mesh = box(half)
     low, high = mesh.uv.min(axis=1, keepdims=True), mesh.uv.max(axis=1, keepdims=True)
-    return replace(
-        mesh, uv=((mesh.uv - low) / (high - low) * 0.999).astype(np.float32)
-    )  # 1 would already be the next repetition
+    return replace(mesh, uv=((mesh.uv - low) / (high - low) * _UV_END).astype(np.float32))
 
 
 def lathe(profile: Sequence[tuple[float, float]], sides: int = 16) -> Mesh:
-    """A solid of revolution about z.
+    """Return a solid of revolution about the z axis.
 
     Parameters
     ----------
     profile : sequence of (radius, z)
-        The outline from its lowest point on the axis to its highest, the outside on the right hand; points on the axis have radius 0. A bowl goes on
-        over its rim and down inside.
+        The outline, metres, from its lowest point on the axis to its highest, with the outside on
+        the right hand. Points on the axis have radius 0. The profile of a bowl continues over the
+        rim and down the inside.
+    sides : int
+        Segments around the axis.
     """
     angles = np.arange(sides) * (2 * math.pi / sides)
-    ring = np.stack([np.cos(angles), np.sin(angles)], 1)
-    vertices, starts = [], []
+    circle = np.stack([np.cos(angles), np.sin(angles)], 1)  # (sides, 2)
+    vertices: list[tuple[float, float, float]] = []
+    starts = []  # the first vertex of each profile point
     for radius, z in profile:
         starts.append(len(vertices))
-        around = [(radius * x, radius * y, z) for x, y in ring] if radius > 0 else [(0.0, 0.0, z)]
-        vertices += around
+        if radius > 0:
+            vertices += [(radius * x, radius * y, z) for x, y in circle]
+        else:
+            vertices.append((0.0, 0.0, z))
+    segments = [math.dist(a, b) for a, b in itertools.pairwise(profile)]
+    lengths = np.concatenate([[0], np.cumsum(segments)])
     faces, uv = [], []
-    lengths = np.concatenate(
-        [[0], np.cumsum([math.dist(a, b) for a, b in itertools.pairwise(profile)])]
-    )
     for k in range(len(profile) - 1):
-        low, high = lengths[k] / lengths[-1] * 0.999, lengths[k + 1] / lengths[-1] * 0.999
+        low, high = lengths[k] / lengths[-1] * _UV_END, lengths[k + 1] / lengths[-1] * _UV_END
+        lower_open, upper_open = profile[k][0] > 0, profile[k + 1][0] > 0  # off the axis
         for i in range(sides):
             j, u, w = (i + 1) % sides, i / sides, (i + 1) / sides
-            a, b = (
-                (starts[k] + (i if profile[k][0] > 0 else 0)),
-                (starts[k] + (j if profile[k][0] > 0 else 0)),
-            )
-            d, c = (
-                (starts[k + 1] + (i if profile[k + 1][0] > 0 else 0)),
-                (starts[k + 1] + (j if profile[k + 1][0] > 0 else 0)),
-            )
-            if profile[k][0] > 0:
+            a, b = starts[k] + i * lower_open, starts[k] + j * lower_open
+            d, c = starts[k + 1] + i * upper_open, starts[k + 1] + j * upper_open
+            if lower_open:
                 faces.append((a, b, c))
                 uv.append(((u, -low), (w, -low), (w, -high)))
-            if profile[k + 1][0] > 0:
+            if upper_open:
                 faces.append((a, c, d))
                 uv.append(((u, -low), (w, -high), (u, -high)))
     return Mesh(np.array(vertices, np.float64), np.array(faces, np.int32), np.array(uv, np.float32))
 
 
 def cylinder(radius: float, half_height: float, sides: int = 16) -> Mesh:
-    """An upright cylinder around the origin."""
-    return lathe(
-        [(0.0, -half_height), (radius, -half_height), (radius, half_height), (0.0, half_height)],
-        sides,
-    )
+    """Return an upright cylinder centred on the origin."""
+    bottom, top = -half_height, half_height
+    return lathe([(0.0, bottom), (radius, bottom), (radius, top), (0.0, top)], sides)
 
 
 def sphere(radius: float, rings: int = 8, sides: int = 12) -> Mesh:
-    """A ball around the origin."""
+    """Return a sphere centred on the origin."""
     angles = np.linspace(-math.pi / 2, math.pi / 2, rings + 1)
-    inner = [(radius * math.cos(a), radius * math.sin(a)) for a in angles[1:-1]]
-    return lathe([(0.0, -radius), *inner, (0.0, radius)], sides)
+    between = [(radius * math.cos(a), radius * math.sin(a)) for a in angles[1:-1]]
+    return lathe([(0.0, -radius), *between, (0.0, radius)], sides)
 
 
-def handle(radius: float, thickness: float, bows: int = 8, sides: int = 5) -> Mesh:
-    """Half a torus in the x-z plane, open towards negative x: the handle of a mug. `radius` is the bow's, `thickness` that of the rod."""
-    bend, around = (
-        np.linspace(-math.pi / 2, math.pi / 2, bows + 1),
-        np.arange(sides) * (2 * math.pi / sides),
-    )
+def handle(radius: float, thickness: float, bends: int = 8, sides: int = 5) -> Mesh:
+    """Return half a torus in the x-z plane, open towards negative x: the handle of a mug.
+
+    Parameters
+    ----------
+    radius : float
+        Of the bow, from its centre to the middle of the rod, metres.
+    thickness : float
+        Diameter of the rod, metres.
+    bends, sides : int
+        Segments along the bow and around the rod.
+    """
+    bend = np.linspace(-math.pi / 2, math.pi / 2, bends + 1)
+    around = np.arange(sides) * (2 * math.pi / sides)
     out = radius + thickness / 2 * np.cos(around)
     vertices = np.array(
         [
@@ -115,94 +143,117 @@ def handle(radius: float, thickness: float, bows: int = 8, sides: int = 5) -> Me
         ]
     )
     faces = []
-    for k in range(bows):
+    for k in range(bends):
         for i in range(sides):
             j = (i + 1) % sides
             a, b, c, d = k * sides + i, k * sides + j, (k + 1) * sides + j, (k + 1) * sides + i
             faces += [(a, b, c), (a, c, d)]
-    ends = (
-        [(0, i + 1, i) for i in range(1, sides - 1)],
-        [(bows * sides, bows * sides + i, bows * sides + i + 1) for i in range(1, sides - 1)],
-    )
-    return _plain(vertices, np.array([*faces, *ends[0], *ends[1]]))
+    last = bends * sides
+    first_cap = [(0, i + 1, i) for i in range(1, sides - 1)]
+    last_cap = [(last, last + i, last + i + 1) for i in range(1, sides - 1)]
+    return _project_texture(vertices, np.array([*faces, *first_cap, *last_cap]))
 
 
-def placed(mesh: Mesh, position: Vector, rotation: Quaternion = UPRIGHT) -> Mesh:
-    """The mesh moved by `position` after being turned by `rotation`."""
+# ---- operations ------------------------------------------------------------------------------
+
+
+def transform(mesh: Mesh, position: Vector, rotation: Quaternion = UPRIGHT) -> Mesh:
+    """Return the mesh rotated by `rotation` and then moved by `position`."""
     return replace(mesh, vertices=fr.apply(fr.from_quaternion(position, rotation), mesh.vertices))
 
 
-def scaled(mesh: Mesh, factors: Sequence[float]) -> Mesh:
-    """The mesh stretched along x, y and z by positive factors."""
+def scale(mesh: Mesh, factors: Sequence[float]) -> Mesh:
+    """Return the mesh stretched along x, y and z by positive factors."""
     return replace(mesh, vertices=mesh.vertices * np.asarray(factors, np.float64))
 
 
-def joined(meshes: Sequence[Mesh]) -> Mesh:
-    """Several meshes as one."""
+def concatenate(meshes: Sequence[Mesh]) -> Mesh:
+    """Return several meshes as one."""
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)]
     return Mesh(
         np.concatenate([mesh.vertices for mesh in meshes]),
-        np.concatenate(
-            [mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)]
-        ).astype(np.int32),
+        np.concatenate(faces).astype(np.int32),
         np.concatenate([mesh.uv for mesh in meshes]),
     )
 
 
-def coloured_from_file(path: Path) -> tuple[Mesh, np.ndarray | None]:
-    """A mesh file as :func:`from_file` reads it, and the colour of every face, float64 (m, 3), from vertices, faces or textures; None where it
-    has none."""
-    read = _read(path)
-    try:
-        visual = read.visual.to_color() if read.visual.kind == "texture" else read.visual
-        colours = (
-            None if visual.kind is None else np.asarray(visual.face_colors, np.float64)[:, :3] / 255
-        )
-    except (AttributeError, ValueError, IndexError):  # textures that are not there or not readable
-        colours = None
-    return _plain(np.asarray(read.vertices, np.float64), np.asarray(read.faces, np.int64)), colours
-
-
-def from_file(path: Path, max_faces: int | None = None) -> Mesh:
-    """A mesh file as trimesh reads it, all its drawables as one; `max_faces` thins it out to about so many triangles.
-
-    Raises whatever trimesh raises for a file that it cannot read, and ValueError for one without triangles.
-    """
-    import fast_simplification
-
-    read = _read(path)
-    vertices, faces = np.asarray(read.vertices, np.float64), np.asarray(read.faces, np.int64)
-    if max_faces is not None and len(faces) > max_faces:
-        thin_vertices, thin_faces = fast_simplification.simplify(
-            vertices.astype(np.float32), faces.astype(np.int32), target_count=max_faces
-        )
-        vertices, faces = np.asarray(thin_vertices, np.float64), np.asarray(thin_faces, np.int64)
-    return _plain(vertices, faces)
-
-
-def _read(path: Path):
-    import trimesh
-
-    read = trimesh.load(path, force="mesh", process=True)
-    if len(getattr(read, "faces", ())) == 0:
-        raise ValueError("it holds no triangles")
-    read.merge_vertices(merge_tex=True, merge_norm=True)
-    return read
-
-
 def volume(mesh: Mesh) -> float:
-    """Signed volume of a closed mesh, cubic metres: positive if its faces are counter-clockwise seen from outside."""
+    """Return the signed volume of a closed mesh, cubic metres: positive for outward faces."""
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     return float((a * np.cross(b, c)).sum() / 6)
 
 
-def _plain(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
-    """A mesh whose texture is laid on along the two axes that each triangle faces least."""
+# ---- files -----------------------------------------------------------------------------------
+
+
+def load_mesh(path: Path, max_faces: int | None = None) -> Mesh:
+    """Read a mesh file with trimesh, all its parts as one mesh.
+
+    Parameters
+    ----------
+    path : Path
+    max_faces : int, optional
+        Simplify the mesh to about this many triangles.
+
+    Raises
+    ------
+    ValueError
+        The file contains no triangles. trimesh raises other errors for files it cannot read.
+    """
+    import fast_simplification
+
+    raw = _read(path)
+    vertices, faces = np.asarray(raw.vertices, np.float64), np.asarray(raw.faces, np.int64)
+    if max_faces is not None and len(faces) > max_faces:
+        simple_vertices, simple_faces = fast_simplification.simplify(
+            vertices.astype(np.float32), faces.astype(np.int32), target_count=max_faces
+        )
+        vertices = np.asarray(simple_vertices, np.float64)
+        faces = np.asarray(simple_faces, np.int64)
+    return _project_texture(vertices, faces)
+
+
+def load_coloured_mesh(path: Path) -> tuple[Mesh, np.ndarray | None]:
+    """Read a mesh file with the colour of every face.
+
+    Returns
+    -------
+    mesh : Mesh
+        As :func:`load_mesh` reads it.
+    colours : float64 (m, 3) or None
+        Red, green and blue in [0, 1], from vertices, faces or textures; None if the file has none.
+    """
+    raw = _read(path)
+    colours = None
+    with suppress(AttributeError, ValueError, IndexError):  # a texture is missing or unreadable
+        visual = raw.visual.to_color() if raw.visual.kind == "texture" else raw.visual
+        if visual.kind is not None:
+            colours = np.asarray(visual.face_colors, np.float64)[:, :3] / 255
+    mesh = _project_texture(np.asarray(raw.vertices, np.float64), np.asarray(raw.faces, np.int64))
+    return mesh, colours
+
+
+def _read(path: Path) -> Any:
+    """Return trimesh's ``Trimesh`` of a file; it has at least one triangle."""
+    import trimesh
+
+    raw: Any = trimesh.load(path, force="mesh", process=True)
+    if len(getattr(raw, "faces", ())) == 0:
+        raise ValueError("it holds no triangles")
+    raw.merge_vertices(merge_tex=True, merge_norm=True)
+    return raw
+
+
+def _project_texture(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
+    """Return the mesh with texture coordinates in metres.
+
+    The texture of each triangle is projected along the axis to which it is most nearly
+    perpendicular.
+    """
     faces = np.ascontiguousarray(faces, np.int32)
-    corners = vertices[faces]
-    facing = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])).argmax(
-        1
-    )
-    along = np.array([(1, 2), (0, 2), (0, 1)])[facing]
-    uv = np.take_along_axis(corners, along[:, None, :].repeat(3, 1), 2) * (1, -1)
+    corners = vertices[faces]  # (m, 3 corners, 3)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    projected = np.array([(1, 2), (0, 2), (0, 1)])[np.abs(normals).argmax(1)]  # (m, 2) axes
+    uv = np.take_along_axis(corners, projected[:, None, :].repeat(3, 1), 2) * (1, -1)
     return Mesh(np.asarray(vertices, np.float64), faces, uv.astype(np.float32))

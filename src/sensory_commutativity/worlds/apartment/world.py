@@ -1,4 +1,7 @@
-"""A robot in an apartment as a world for experiments: it starts anywhere valid, acts at 10 Hz, and sees through its camera (paper, section III-B)."""
+"""A robot in an apartment as a world for SC-experiments (paper, section III-B).
+
+It starts in a random valid pose, acts at 10 Hz and sees through the robot's camera.
+"""
 
 from __future__ import annotations
 
@@ -9,29 +12,31 @@ from typing import NamedTuple
 import numpy as np
 
 from .physics.simulation import Simulation
+from .physics.snapshots import SimulationSnapshot
 from .physics.starts import draw_start
-from .physics.states import Situation
 from .rendering.camera import Camera, Drawable, Renderer
 from .robots.robot import Robot
-from .scenes.scene import IDENTITIES, Scene
+from .scenes.scene import SEGMENTATION_IDS, Scene
 
 
 class PrivilegedInfo(NamedTuple):
-    """What truly happened since the last restore; what no sensor of the robot tells.
+    """Ground truth since the last restore, which no sensor of the robot measures.
 
     Attributes
     ----------
-    touched_fixed, touched_movable, touched_self, at_limit : int
-        In how many steps the robot touched a fixture (or the floor, but for base and wheels), a movable object, itself; in how many a joint was
-        commanded beyond its limit.
-    object_shifts : float64 (movables,)
-        How far each object was displaced, metres.
+    touched_fixed, touched_movable, touched_self : int
+        Steps in which the robot touched a fixture (or the floor with a link other than the base),
+        a movable object, itself.
+    at_limit : int
+        Steps in which a joint was commanded beyond its limit.
+    object_shifts : float64 (objects,)
+        Displacement of each movable object, metres.
     base : float64 (3,)
-        x, y (metres) and heading (rad) of the robot now.
+        Current x, y (metres) and heading (rad) of the robot.
     joints : float64 (n,)
-        Joint positions now, rad or m.
+        Current joint positions, rad or m.
     clearance : float
-        Metres from the arm to the nearest thing at the start; at most 1.
+        Metres from the arm to the nearest fixture or object at the start; at most 1.
     """
 
     touched_fixed: int
@@ -46,30 +51,32 @@ class PrivilegedInfo(NamedTuple):
 
 @dataclass(frozen=True)
 class WorldSnapshot:
-    """A situation of the world."""
+    """A snapshot of the simulation, and the clearance of the arm at the start, metres."""
 
-    situation: Situation
+    simulation: SimulationSnapshot
     clearance: float
 
 
 class ApartmentWorld:
-    """A robot in an apartment.
+    """A robot in an apartment; implements :class:`~sensory_commutativity.scp.world.World`.
 
     Parameters
     ----------
     scene : Scene
     robot : Robot
     cameras : sequence of Camera, optional
-        What is seen through; all sit where the robot's camera is. An observation has a picture for each. Without it one with the field of view that
-        the robot's description gives.
+        All are mounted where the robot's camera is; an observation has one image per camera.
+        Default: one camera with the field of view of the robot's description.
     within : float, optional
-        Metres: starts have something nearer than this to the arm. Without it a robot starts anywhere.
+        Metres: in every start something is nearer to the arm than this. Default: no such
+        condition.
 
     Attributes
     ----------
     dofs : tuple of Dof
         The robot's degrees of freedom.
     simulation : Simulation
+    renderer : Renderer
     """
 
     def __init__(
@@ -80,61 +87,85 @@ class ApartmentWorld:
         within: float | None = None,
     ):
         self.scene, self.robot, self.dofs = scene, robot, robot.dofs
-        self.cameras, self.within = (
-            tuple(cameras or [Camera(field_of_view=robot.description.camera.field_of_view)]),
-            within,
-        )
+        field_of_view = robot.description.camera.field_of_view
+        self.cameras = tuple(cameras or [Camera(field_of_view=field_of_view)])
+        self.within = within
         self.simulation = Simulation(scene, robot)
-        self.renderer = Renderer(
-            drawables(self.simulation), 1 + len(scene.movables) + len(self.simulation.body.parents)
-        )
+        n_bodies = 1 + len(scene.movables) + len(self.simulation.body.parents)
+        self.renderer = Renderer(collect_drawables(self.simulation), n_bodies)
         self._clearance = float("nan")
 
     def reset(self, rng: np.random.Generator) -> None:
-        """Draw a start situation. Raises StartError where there is none."""
+        """Draw a start pose.
+
+        Raises
+        ------
+        StartError
+            No draw was valid.
+        """
         self._clearance = draw_start(self.simulation, rng, self.within)
 
     def snapshot(self) -> WorldSnapshot:
-        """Return the present situation."""
+        """Return a snapshot; from here the world continues exactly as after restoring it."""
         return WorldSnapshot(self.simulation.snapshot(), self._clearance)
 
     def restore(self, snapshot: WorldSnapshot) -> None:
-        """Put everything back into a situation of this world."""
-        self.simulation.restore(snapshot.situation)
+        """Return to a snapshot of this world."""
+        self.simulation.restore(snapshot.simulation)
         self._clearance = snapshot.clearance
 
     def step(self, action: np.ndarray) -> None:
-        """Play one action of a tenth of a second: float (len(dofs),), each element in [-1, 1]."""
+        """Play an action for 0.1 s: float (len(dofs),), clipped to [-1, 1]."""
         self.simulation.step(action)
 
     def observe(self) -> np.ndarray:
-        """What the robot sees: uint8 (cameras, height, width, 3)."""
-        eye, poses = self.simulation.eye_pose(), self.simulation.poses()
-        return np.stack([self.renderer.render(camera, eye, poses).rgb for camera in self.cameras])
+        """Render the robot's cameras: uint8 (cameras, height, width, 3)."""
+        pose, poses = self.simulation.camera_pose(), self.simulation.poses()
+        return np.stack([self.renderer.render(camera, pose, poses).rgb for camera in self.cameras])
 
     def happened(self) -> PrivilegedInfo:
-        """What happened since the last restore."""
-        s, touched = self.simulation, self.simulation.touches()
+        """Return the ground truth since the last restore."""
+        contacts = self.simulation.contact_counts()
         return PrivilegedInfo(
-            touched.fixed, touched.movable, touched.itself, touched.at_limit, s.object_shifts(), s.base(), s.joints(), self._clearance
-        )  # fmt: skip
+            touched_fixed=contacts.fixed,
+            touched_movable=contacts.movable,
+            touched_self=contacts.itself,
+            at_limit=contacts.at_limit,
+            object_shifts=self.simulation.objects.displacements(),
+            base=self.simulation.base(),
+            joints=self.simulation.joints(),
+            clearance=self._clearance,
+        )
 
 
-def drawables(simulation: Simulation, overhead: bool = True) -> list[Drawable]:
-    """All that can be seen, bodies numbered as in :meth:`.Simulation.poses`; without `overhead` nothing that hides views from above."""
-    scene = simulation.scene
-    found = [
-        Drawable(part, IDENTITIES["fixture"] + i, 0)
+def collect_drawables(simulation: Simulation, overhead: bool = True) -> list[Drawable]:
+    """Return everything visible: fixtures, then movable objects, then the robot.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    overhead : bool
+        Include ceilings and lintels, which hide the rooms from above.
+
+    Returns
+    -------
+    list of Drawable
+        With bodies numbered as in :meth:`.Simulation.poses`.
+    """
+    scene, links = simulation.scene, 1 + len(simulation.scene.movables)
+    fixtures = [
+        Drawable(part, SEGMENTATION_IDS["fixture"] + i, 0)
         for i, fixture in enumerate(scene.fixtures)
         if overhead or not fixture.overhead
         for part in fixture.parts
     ]
-    found += [
-        Drawable(part, IDENTITIES["movable"] + i, 1 + i)
+    movables = [
+        Drawable(part, SEGMENTATION_IDS["movable"] + i, 1 + i)
         for i, movable in enumerate(scene.movables)
         for part in movable.parts
     ]
-    return found + [
-        Drawable(part, IDENTITIES["robot"], 1 + len(scene.movables) + link)
+    robot = [
+        Drawable(part, SEGMENTATION_IDS["robot"], links + link)
         for link, part in simulation.body.parts
     ]
+    return fixtures + movables + robot

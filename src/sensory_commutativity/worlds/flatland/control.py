@@ -1,12 +1,15 @@
-"""How commands move the agent: compiled loop over actions and sub-steps.
+"""The controller of the agent: a compiled loop over actions and sub-steps.
 
-Two things are asked of it (``docs/differences.md``, "Control"). In free space every degree of freedom must commute, to the last bit that the eye
-can see; and what is blocked must *lose* its motion, not catch up later, or walls would leave no trace.
+It has two requirements (``docs/differences.md``, "Control"). In free space every degree of freedom
+must commute, to the last bit that the eye can see. And motion that is blocked must be *lost* rather
+than made up for later, or walls would leave no trace.
 
-Each command moves a *target* (the base's pose, the joints' angles); the bodies are given the velocities that lead to it, exactly those of a rigid
-linkage, so that in free motion Chipmunk's solver finds nothing to correct. It hands these velocities to Chipmunk as forces, because Chipmunk
-applies forces after it has found contacts and before it solves them. What contacts prevent is lost: a target never runs further than
-the slack ahead of what it drives. Commands are rounded to a fine grid on which floating-point sums are exact, whatever their order.
+Each command moves a *target*: the pose of the base and the joint angles. The links are given the
+velocities that lead to the target, exactly those of a rigid linkage: in free motion, Chipmunk's
+solver has nothing to correct. The velocities are handed over as forces, because Chipmunk applies
+forces after it has found contacts and before it solves them. A target leads the body that it drives
+by at most ``MAX_TRACKING_ERROR``, so blocked motion is lost. Commands are rounded to a fine grid on
+which floating-point sums are exact and thus independent of their order.
 """
 
 from __future__ import annotations
@@ -18,45 +21,36 @@ import numpy as np
 
 from ...compiled import njit
 from .agent import N_LINKS, PARENT
-from .eye import look
+from .eye import Scene, render
 from .room import path_point
 
 SUBSTEPS = 4  # authors: four sub-steps of 1/4 per action
 DT = 1.0 / SUBSTEPS
-GRID = 2.0**20  # chosen: sums of commands are exact; 1e-6 of a unit or rad is far below a pixel
-SLACK = np.array(
-    [0.5, 0.5, 0.02, 0.02, 0.02, 0.02, 0.02]
-)  # chosen: units, units, rad...; joints below one pixel (0.0245 rad)
-CORRECTION = 0.5  # chosen: a body that lags may be driven this much faster than the agent's top speed to keep up
 
-# places in a world's inner state, float64 (INNER,)
-TARGET = slice(0, 7)  # base x, y, heading; four joint angles
+GRID = 2.0**20
+"""Grid points per unit or rad. Chosen: sums are exact, and 1e-6 is far below a pixel."""
+
+MAX_TRACKING_ERROR = np.array([0.5, 0.5, 0.02, 0.02, 0.02, 0.02, 0.02])
+"""By how much each target may lead: units, units, rad, ... Chosen: joints by less than one pixel
+(0.0245 rad)."""
+
+MAX_CORRECTION = 0.5
+"""Velocity beyond the command with which a lagging body catches up, as a fraction of its top speed.
+Chosen."""
+
+# Indices of the controller state, float64 (STATE_SIZE,)
+TARGET = slice(0, 7)  # x, y, heading of the base; four joint angles
 HEAD, EYELID, TIME = 7, 8, 9  # rad; factor; steps since the start
-INNER = 10
+STATE_SIZE = 10
 
 
-@njit()
-def _on_grid(value):
-    return math.floor(value * GRID + 0.5) / GRID
-
-
-@njit()
-def _clip(value, low, high):
-    return min(max(value, low), high)
-
-
-@njit()
-def _within(value, middle, slack):
-    return _clip(value, middle - slack, middle + slack)
-
-
-class Wiring(NamedTuple):
-    """Addresses of a space and its bodies, and the channels through which they are read and written (:mod:`.chipmunk`)."""
+class EngineHandles(NamedTuple):
+    """Addresses of a space and its bodies, and channels to them (:mod:`.chipmunk`)."""
 
     space: int
     links: np.ndarray  # uint64 (5,)
-    movers: np.ndarray  # uint64 (m,)
-    bodies: np.ndarray  # uint64 (5 + n,): links, then things
+    movers: np.ndarray  # uint64 (m,): the moving objects
+    bodies: np.ndarray  # uint64 (5 + n,): links, then objects
     state_channel: int
     state: np.ndarray  # float64: x, y, angle, velocity x, y, angular velocity
     state_cursor: np.ndarray
@@ -68,10 +62,10 @@ class Wiring(NamedTuple):
     velocity_cursor: np.ndarray
 
 
-class Body(NamedTuple):
-    """The agent's body as the control sees it."""
+class AgentParameters(NamedTuple):
+    """What the controller needs to know about the agent."""
 
-    speeds: np.ndarray  # float64 (8,): what an action of 1 moves in one step, per degree of freedom
+    speeds: np.ndarray  # float64 (8,): motion per step for an action of 1
     joint_signs: np.ndarray  # float64 (4,)
     joint_low: np.ndarray  # float64 (4,), rad
     joint_high: np.ndarray  # float64 (4,), rad
@@ -81,11 +75,11 @@ class Body(NamedTuple):
     arm_length: float  # units
     mass: np.ndarray  # float64 (5,)
     moment: np.ndarray  # float64 (5,)
-    damping: float  # fraction of its velocity that Chipmunk leaves a body in one sub-step
+    damping: float  # fraction of a body's velocity that Chipmunk keeps in one sub-step
 
 
-class Paths(NamedTuple):
-    """What the `m` moving things follow."""
+class ObjectPaths(NamedTuple):
+    """Paths of the `m` moving objects."""
 
     corners: np.ndarray  # int64 (m,)
     path: np.ndarray  # float64 (m, corners, 2), units
@@ -93,168 +87,179 @@ class Paths(NamedTuple):
     speed: float  # units per step
 
 
+class CompiledState(NamedTuple):
+    """All that :func:`advance` works on: handles and arrays of one world, not copies."""
+
+    handles: EngineHandles
+    agent: AgentParameters
+    paths: ObjectPaths
+    scene: Scene
+    controller: np.ndarray  # float64 (STATE_SIZE,): target, head, eyelid, time
+    poses: np.ndarray  # float64 (5 + n + zones, 3): x, y, angle at the last observation
+
+
 @njit()
-def advance(
-    step_space,
-    read_body,
-    write_body,
-    wiring,
-    body,
-    paths,
-    scene,
-    inner,
-    pose,
-    actions,
-    every_step,
-    seen,
-):
-    """Play `actions` and look.
+def advance(engine, state, actions, every_step, views):
+    """Play `actions` and observe.
 
     Parameters
     ----------
-    step_space, read_body, write_body : Chipmunk's functions (:mod:`.chipmunk`)
-    wiring : Wiring
-    body : Body
-    paths : Paths
-    scene : Scene (:mod:`.eye`)
-    inner : float64 (INNER,), changed
-    pose : float64 (5 + n + marks, 3), changed: (x, y, angle) of links and things when last looked; marks stay
-    actions : float64 (steps, 8); with no steps the world is only looked at
+    engine : Engine (:mod:`.chipmunk`)
+    state : CompiledState
+        Its arrays `controller` and `poses` are updated.
+    actions : float64 (steps, 8)
+        Without steps, the world is observed as it is.
     every_step : bool
-        Look after every action; otherwise once, at the end.
-    seen : uint8 (steps or 1, pixels, 3), written
+        Observe after every action; otherwise once, at the end.
+    views : uint8 (steps or 1, pixels, 3)
+        Is written.
     """
-    now, ahead = np.empty((N_LINKS, 6)), np.empty((N_LINKS, 3))
-    action, joint_rate = np.empty(actions.shape[1]), np.empty(4)
+    agent, controller, handles = state.agent, state.controller, state.handles
+    links = np.empty((N_LINKS, 6))  # x, y, angle, velocity x, y, angular velocity
+    ahead = np.empty((N_LINKS, 3))  # x, y, angle that Chipmunk integrates before it solves
+    action, joint_rates = np.empty(actions.shape[1]), np.empty(4)
     for t in range(actions.shape[0]):
         for k in range(len(action)):
-            action[k] = _clip(actions[t, k], -1.0, 1.0) * body.speeds[k]
-        inner[HEAD] += _on_grid(action[2])
-        inner[EYELID] = _clip(
-            inner[EYELID] + _on_grid(action[3]), body.eyelid_low, body.eyelid_high
-        )
-        inner[TIME] += 1.0
-        _move_things(read_body, write_body, wiring, paths, inner[TIME])
+            action[k] = _clip(actions[t, k], -1.0, 1.0) * agent.speeds[k]
+        controller[HEAD] += _round_to_grid(action[2])
+        eyelid = controller[EYELID] + _round_to_grid(action[3])
+        controller[EYELID] = _clip(eyelid, agent.eyelid_low, agent.eyelid_high)
+        controller[TIME] += 1.0
+        _move_objects(engine, handles, state.paths, controller[TIME])
         for _ in range(SUBSTEPS):
-            for i in range(
-                N_LINKS
-            ):  # where the links are, and where Chipmunk will have put them before it solves
-                _read(read_body, wiring.links[i], wiring)
+            for i in range(N_LINKS):
+                _read(engine, handles.links[i], handles)
                 for k in range(6):
-                    now[i, k] = wiring.state[k]
+                    links[i, k] = handles.state[k]
                 for k in range(3):
-                    ahead[i, k] = now[i, k] + now[i, 3 + k] * DT
-            base_vx, base_vy, base_w = _drive_base(inner, ahead, action, body.speeds)
-            _drive_joints(inner, ahead, action, body, joint_rate)
-            _force(write_body, wiring, body, 0, now, now[0, 0], now[0, 1], base_vx, base_vy, base_w)
-            for side in range(
-                2
-            ):  # velocities and places of a rigid linkage, from the base outwards
-                sign = 1.0 if side == 0 else -1.0
-                x_to, y_to = (
-                    -sign * body.base_radius * math.sin(ahead[0, 2]),
-                    sign * body.base_radius * math.cos(ahead[0, 2]),
-                )
-                x, y = ahead[0, 0] + x_to, ahead[0, 1] + y_to
-                vx, vy, w = base_vx - base_w * y_to, base_vy + base_w * x_to, base_w
-                for i in range(1 + 2 * side, 3 + 2 * side):
-                    w += joint_rate[i - 1]
-                    x_to, y_to = (
-                        body.arm_length / 2 * math.cos(ahead[i, 2]),
-                        body.arm_length / 2 * math.sin(ahead[i, 2]),
-                    )
-                    place_x, place_y = x + x_to - now[i, 3] * DT, y + y_to - now[i, 4] * DT
-                    _force(
-                        write_body,
-                        wiring,
-                        body,
-                        i,
-                        now,
-                        place_x,
-                        place_y,
-                        vx - w * y_to,
-                        vy + w * x_to,
-                        w,
-                    )
-                    x, y = x + 2 * x_to, y + 2 * y_to
-                    vx, vy = vx - w * 2 * y_to, vy + w * 2 * x_to
-            step_space(wiring.space, DT)
+                    ahead[i, k] = links[i, k] + links[i, 3 + k] * DT
+            base_velocity = _drive_base(controller, ahead[0], action, agent.speeds)
+            _drive_joints(controller, ahead[:, 2], action, agent, joint_rates)
+            _drive_links(engine, handles, agent, links, ahead, base_velocity, joint_rates)
+            engine.step(handles.space, DT)
         if every_step:
-            _look(read_body, wiring, scene, inner, pose, seen[t])
+            _observe(engine, state, views[t])
     if not every_step:
-        _look(read_body, wiring, scene, inner, pose, seen[0])
+        _observe(engine, state, views[0])
 
 
 @njit()
-def _drive_base(inner, ahead, action, speeds):
-    """Move the base's target and return the velocity (x, y, angular) that leads to it."""
-    turn = _on_grid(action[1] * DT)
-    heading = _within(inner[2], ahead[0, 2], SLACK[2])
-    move_x, move_y = (
-        _on_grid(action[0] * DT * math.cos(heading)),
-        _on_grid(action[0] * DT * math.sin(heading)),
-    )
-    inner[0] = _within(inner[0], ahead[0, 0], SLACK[0]) + move_x
-    inner[1] = _within(inner[1], ahead[0, 1], SLACK[1]) + move_y
-    inner[2] = heading + turn
+def _clip(value, low, high):
+    return min(max(value, low), high)
+
+
+@njit()
+def _clip_around(value, middle, margin):
+    return _clip(value, middle - margin, middle + margin)
+
+
+@njit()
+def _round_to_grid(value):
+    return math.floor(value * GRID + 0.5) / GRID
+
+
+@njit()
+def _tracking_velocity(error, command, top_speed):
+    """Velocity for one sub-step: the command's, plus a limited correction of the other error."""
+    limit = MAX_CORRECTION * top_speed
+    return command / DT + _clip((error - command) / DT, -limit, limit)
+
+
+@njit()
+def _drive_base(controller, pose, action, speeds):
+    """Move the target of the base; return the velocity (x, y, angular) that leads to it."""
+    turn = _round_to_grid(action[1] * DT)
+    heading = _clip_around(controller[2], pose[2], MAX_TRACKING_ERROR[2])
+    move_x = _round_to_grid(action[0] * DT * math.cos(heading))
+    move_y = _round_to_grid(action[0] * DT * math.sin(heading))
+    controller[0] = _clip_around(controller[0], pose[0], MAX_TRACKING_ERROR[0]) + move_x
+    controller[1] = _clip_around(controller[1], pose[1], MAX_TRACKING_ERROR[1]) + move_y
+    controller[2] = heading + turn
     return (
-        _velocity(inner[0] - ahead[0, 0], move_x, speeds[0]),
-        _velocity(inner[1] - ahead[0, 1], move_y, speeds[0]),
-        _velocity(inner[2] - ahead[0, 2], turn, speeds[1]),
+        _tracking_velocity(controller[0] - pose[0], move_x, speeds[0]),
+        _tracking_velocity(controller[1] - pose[1], move_y, speeds[0]),
+        _tracking_velocity(controller[2] - pose[2], turn, speeds[1]),
     )
 
 
 @njit()
-def _drive_joints(inner, ahead, action, body, out):
-    """Move the joints' targets and write the joint velocities, relative to the parent link, that lead to them."""
+def _drive_joints(controller, angles, action, agent, joint_rates):
+    """Move the targets of the joints; write the velocities, relative to the parent link."""
     for j in range(4):
-        angle = ahead[j + 1, 2] - ahead[PARENT[j + 1], 2]
-        start = _within(inner[3 + j], angle, SLACK[3 + j])
-        inner[3 + j] = _clip(
-            start + _on_grid(body.joint_signs[j] * action[4 + j] * DT),
-            body.joint_low[j],
-            body.joint_high[j],
-        )
-        out[j] = _velocity(inner[3 + j] - angle, inner[3 + j] - start, body.speeds[4 + j])
+        angle = angles[j + 1] - angles[PARENT[j + 1]]
+        start = _clip_around(controller[3 + j], angle, MAX_TRACKING_ERROR[3 + j])
+        target = start + _round_to_grid(agent.joint_signs[j] * action[4 + j] * DT)
+        controller[3 + j] = _clip(target, agent.joint_low[j], agent.joint_high[j])
+        error, command = controller[3 + j] - angle, controller[3 + j] - start
+        joint_rates[j] = _tracking_velocity(error, command, agent.speeds[4 + j])
 
 
 @njit()
-def _velocity(error, command, speed):
-    """Velocity for one sub-step: what was commanded, plus what brings back a body that was pushed or lags."""
-    return command / DT + _clip((error - command) / DT, -CORRECTION * speed, CORRECTION * speed)
+def _drive_links(engine, handles, agent, links, ahead, base_velocity, joint_rates):
+    """Give all links the positions and velocities of a rigid linkage, from the base outwards."""
+    base_vx, base_vy, base_w = base_velocity
+    _apply_force(engine, handles, agent, links, 0, (links[0, 0], links[0, 1]), base_velocity)
+    for side in range(2):
+        sign = 1.0 if side == 0 else -1.0
+        # (dx, dy): from the centre of the base to the shoulder, then from a joint to the centre of
+        # the segment that it moves
+        dx = -sign * agent.base_radius * math.sin(ahead[0, 2])
+        dy = sign * agent.base_radius * math.cos(ahead[0, 2])
+        x, y = ahead[0, 0] + dx, ahead[0, 1] + dy
+        vx, vy, w = base_vx - base_w * dy, base_vy + base_w * dx, base_w
+        for i in range(1 + 2 * side, 3 + 2 * side):
+            w += joint_rates[i - 1]
+            dx = agent.arm_length / 2 * math.cos(ahead[i, 2])
+            dy = agent.arm_length / 2 * math.sin(ahead[i, 2])
+            position = x + dx - links[i, 3] * DT, y + dy - links[i, 4] * DT
+            velocity = vx - w * dy, vy + w * dx, w
+            _apply_force(engine, handles, agent, links, i, position, velocity)
+            x, y = x + 2 * dx, y + 2 * dy
+            vx, vy = vx - w * 2 * dy, vy + w * 2 * dx
 
 
 @njit()
-def _force(write_body, wiring, body, i, now, x, y, vx, vy, w):
-    """Put link `i` at (x, y) and apply the force and torque after which Chipmunk starts to solve from the velocity (vx, vy, w)."""
-    wiring.force[0], wiring.force[1] = x, y
-    wiring.force[2] = body.mass[i] * (vx - now[i, 3] * body.damping) / DT
-    wiring.force[3] = body.mass[i] * (vy - now[i, 4] * body.damping) / DT
-    wiring.force[4] = body.moment[i] * (w - now[i, 5] * body.damping) / DT
-    wiring.force_cursor[0] = 0
-    write_body(wiring.links[i], wiring.force_channel)
+def _apply_force(engine, handles, agent, links, i, position, velocity):
+    """Set the position of link `i`, and the force and torque that lead to `velocity`.
+
+    Chipmunk starts to solve from that velocity.
+    """
+    vx, vy, w = velocity
+    handles.force[0], handles.force[1] = position
+    handles.force[2] = agent.mass[i] * (vx - links[i, 3] * agent.damping) / DT
+    handles.force[3] = agent.mass[i] * (vy - links[i, 4] * agent.damping) / DT
+    handles.force[4] = agent.moment[i] * (w - links[i, 5] * agent.damping) / DT
+    handles.force_cursor[0] = 0
+    engine.write_body(handles.links[i], handles.force_channel)
 
 
 @njit()
-def _move_things(read_body, write_body, wiring, paths, time):
-    """Give each moving thing the velocity that brings it to its place at `time`, one step ahead."""
-    for i in range(len(wiring.movers)):
-        _read(read_body, wiring.movers[i], wiring)
+def _move_objects(engine, handles, paths, time):
+    """Give each moving object the velocity that brings it to its position at `time`.
+
+    That is one step ahead.
+    """
+    for i in range(len(handles.movers)):
+        _read(engine, handles.movers[i], handles)
         x, y = path_point(paths.path[i], paths.corners[i], paths.phase[i] + paths.speed * time)
-        wiring.velocity[0], wiring.velocity[1] = x - wiring.state[0], y - wiring.state[1]
-        wiring.velocity_cursor[0] = 0
-        write_body(wiring.movers[i], wiring.velocity_channel)
+        handles.velocity[0] = x - handles.state[0]
+        handles.velocity[1] = y - handles.state[1]
+        handles.velocity_cursor[0] = 0
+        engine.write_body(handles.movers[i], handles.velocity_channel)
 
 
 @njit()
-def _look(read_body, wiring, scene, inner, pose, out):
-    for i in range(len(wiring.bodies)):
-        _read(read_body, wiring.bodies[i], wiring)
-        pose[i, 0], pose[i, 1], pose[i, 2] = wiring.state[0], wiring.state[1], wiring.state[2]
-    look(scene, (pose[0, 0], pose[0, 1], pose[0, 2] + inner[HEAD]), inner[EYELID], pose[1:], out)
+def _observe(engine, state, view):
+    """Read the poses of all bodies and render the view; the agent does not see its own base."""
+    handles, poses, controller = state.handles, state.poses, state.controller
+    for i in range(len(handles.bodies)):
+        _read(engine, handles.bodies[i], handles)
+        poses[i] = handles.state[:3]
+    eye = poses[0, 0], poses[0, 1], poses[0, 2] + controller[HEAD]
+    render(state.scene, eye, controller[EYELID], poses[1:], view)
 
 
 @njit()
-def _read(read_body, body, wiring):
-    wiring.state_cursor[0] = 0
-    read_body(body, wiring.state_channel)
+def _read(engine, body, handles):
+    handles.state_cursor[0] = 0
+    engine.read_body(body, handles.state_channel)

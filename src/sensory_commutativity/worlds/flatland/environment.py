@@ -17,10 +17,12 @@ MAX_EPISODE_STEPS = 300  # chosen: long enough to cross the room several times
 
 
 def action_space(agent: Polyphemus) -> spaces.Box:
+    """One element in [-1, 1] per degree of freedom."""
     return spaces.Box(-1.0, 1.0, (len(agent.dofs),), np.float32)
 
 
 def observation_space(agent: Polyphemus) -> spaces.Box:
+    """RGB pixels, uint8 (pixels, 3)."""
     return spaces.Box(0, 255, (agent.pixels, 3), np.uint8)
 
 
@@ -29,8 +31,8 @@ class FlatlandEnv(gym.Env):
 
     Description
     -----------
-    A one-eyed agent with two arms moves among fixed, movable and moving things (paper, section III-A). There is nothing to win: the reward is
-    always 0. It is a base for tasks and for looking around.
+    A one-eyed agent with two arms moves among fixed, movable and moving objects (paper, section
+    III-A). The environment has no task of its own; it is a base class for tasks.
 
     Action Space
     ------------
@@ -51,8 +53,9 @@ class FlatlandEnv(gym.Env):
 
     Observation Space
     -----------------
-    ``Box(0, 255, (64, 3), uint8)``: RGB pixels over 90 degrees, from right to left. Chipmunk moves bodies with the velocity of the sub-step before,
-    so the last quarter of a motion of base or arms is seen one step later.
+    ``Box(0, 255, (64, 3), uint8)``: RGB pixels over 90 degrees, from right to left. Chipmunk
+    integrates positions with the velocity of the previous sub-step: the last quarter of a motion of
+    the base or the arms becomes visible one step later.
 
     Rewards
     -------
@@ -60,7 +63,8 @@ class FlatlandEnv(gym.Env):
 
     Starting State
     --------------
-    A new room with new things, and the agent at a random free place in it, at rest; head ahead, eyelid half open, arms mid-range.
+    A new room with new objects, and the agent at a random free pose in it, at rest; head straight
+    ahead, eyelid half open, arms mid-range.
 
     Episode Truncation
     ------------------
@@ -68,8 +72,8 @@ class FlatlandEnv(gym.Env):
 
     Arguments
     ---------
-    room, agent : Room, Polyphemus
-        What kind of room, and the agent's morphology.
+    room : Room, optional
+    agent : Polyphemus, optional
     render_mode : None or ``"rgb_array"``
         The room from above, uint8 (height, width, 3).
 
@@ -78,7 +82,7 @@ class FlatlandEnv(gym.Env):
     v0: first version.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012  (Gymnasium's own form)
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012  (Gymnasium's form)
 
     def __init__(
         self,
@@ -88,7 +92,8 @@ class FlatlandEnv(gym.Env):
     ):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(
-                f"render_mode must be None or one of {self.metadata['render_modes']}, got {render_mode!r}"
+                f"render_mode must be None or one of {self.metadata['render_modes']}, "
+                f"got {render_mode!r}"
             )
         self.world = FlatlandWorld(room, agent)
         self.render_mode = render_mode
@@ -109,10 +114,10 @@ class FlatlandEnv(gym.Env):
     def render(self) -> np.ndarray | None:
         if self.render_mode is None:
             return None
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.backends.backend_agg import FigureCanvasAgg  # slow to import
         from matplotlib.figure import Figure
 
-        from .drawing import draw_room  # matplotlib is slow to import and only pictures need it
+        from .drawing import draw_room
 
         canvas = FigureCanvasAgg(Figure(figsize=(4.8, 6.4), dpi=100, layout="tight"))
         draw_room(canvas.figure.add_subplot(), self.world)

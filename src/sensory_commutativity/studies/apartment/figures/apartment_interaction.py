@@ -8,7 +8,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ....worlds.apartment.robots.robot import load_robot
+from ...apartment.builders import described_files
 from ...config import Config
+from ...declarations import figure
 from ...plotting import GREEN, GREY, VERMILION, dof_label, group_colours
 
 _KINDS = (
@@ -40,7 +42,12 @@ def _labels(rows: pd.DataFrame) -> list[tuple[float, float, str]]:
     ]
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="SCP against what the degree of freedom truly touched: a figure that needs a simulator that tells",
+    inputs=["apartment_interaction"],
+    settings=lambda config: [config.apartment, described_files(config)],
+)
+def apartment_interaction(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     settings = config.apartment
     reference = settings.reference
     table = tables["apartment_interaction"]

@@ -9,7 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ....worlds.apartment.robots.robot import load_robot
+from ...apartment.builders import described_files
 from ...config import Config
+from ...declarations import figure
 from ...plotting import BLUE, GREY, dof_label, dof_styles
 
 
@@ -65,7 +67,12 @@ def _taus(axes: Axes, table: pd.DataFrame) -> None:
     axes.set_xlabel("Kendall's tau of the degrees of freedom's order with the reference")
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="Do thresholds, fields of view, apartments, lengths and starts change the order of the degrees of freedom?",
+    inputs=["apartment_scp", "apartment_order"],
+    settings=lambda config: [config.apartment, described_files(config)],
+)
+def apartment_order(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     settings = config.apartment
     reference = settings.reference
     scp = tables["apartment_scp"]

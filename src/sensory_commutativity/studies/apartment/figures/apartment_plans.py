@@ -7,15 +7,21 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ....worlds.apartment.rendering.drawing import plan
+from ....worlds.apartment.rendering.drawing import render_plan
+from ...apartment.builders import described_files
 from ...config import Config
+from ...declarations import figure
 from ...plotting import VERMILION
 from ..builders import apartment_world, start_poses
 
 _STARTS = 40
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="The apartments from above, with the places where experiments started",
+    settings=lambda config: [config.apartment, described_files(config)],
+)
+def apartment_plans(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     settings = config.apartment
     robot = settings.reference.robot
     runs = [
@@ -29,7 +35,7 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     figure, grid = plt.subplots(1, len(scenes), figsize=(5.2 * len(scenes), 5.6), squeeze=False)
     for axes, (scene, experiments) in zip(grid[0], scenes.items(), strict=True):
         world = apartment_world(config, robot, scene, "anywhere")
-        picture, extent = plan(world.simulation)
+        picture, extent = render_plan(world.simulation)
         axes.imshow(picture, extent=extent)
         shown = min(_STARTS, experiments)
         poses = start_poses(config, robot, scene, "anywhere", shown)

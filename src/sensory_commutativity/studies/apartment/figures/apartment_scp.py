@@ -9,7 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ....worlds.apartment.robots.robot import Robot, load_robot
+from ...apartment.builders import described_files
 from ...config import Config
+from ...declarations import figure
 from ...plotting import dof_label, group_colours, probability_axis, probability_text
 
 
@@ -53,7 +55,12 @@ def bars(axes: Axes, rows: pd.DataFrame, robot: Robot) -> None:
     probability_axis(axes)
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="SCP of every degree of freedom of the robots",
+    inputs=["apartment_scp"],
+    settings=lambda config: [config.apartment, described_files(config)],
+)
+def apartment_scp(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     settings = config.apartment
     table = tables["apartment_scp"]
     table = table[

@@ -9,8 +9,10 @@ from matplotlib.figure import Figure
 
 from ....seeding import generator
 from ....worlds.apartment.rendering.camera import Camera
-from ....worlds.apartment.rendering.drawing import outside
+from ....worlds.apartment.rendering.drawing import render_third_person
+from ...apartment.builders import described_files
 from ...config import Config
+from ...declarations import figure
 from ..builders import apartment_world, start_seed
 
 _PIXELS = 480
@@ -24,7 +26,11 @@ def _show(axes: Axes, picture, title: str) -> None:
     axes.set_axis_off()
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="The robots in an apartment, from outside and through their own camera",
+    settings=lambda config: [config.apartment, described_files(config)],
+)
+def apartment_world(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     settings = config.apartment
     shown = [(settings.reference.robot, settings.reference.scene)]
     shown += [
@@ -44,13 +50,13 @@ def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         world.reset(generator(start_seed(config, robot, scene, "anywhere", _SHOWN), "situation"))
         _show(
             row[0],
-            outside(world.simulation, _PIXELS),
+            render_third_person(world.simulation, _PIXELS),
             f"{robot} in {scene}, start of experiment {_SHOWN}",
         )
         for axes, view in zip(row[1:], views, strict=True):
             camera = Camera(_PIXELS, _PIXELS, view, settings.supersampling)
             picture = world.renderer.render(
-                camera, world.simulation.eye_pose(), world.simulation.poses()
+                camera, world.simulation.camera_pose(), world.simulation.poses()
             ).rgb
             _show(
                 axes,

@@ -1,106 +1,170 @@
-"""SC-experiments of robots in apartments: how unequal both orders look through VGG16, and what really happened (paper, section III-B).
+"""SC-experiments of robots in apartments (paper, section III-B): how different the final images of
+the two orders are in terms of VGG16 features, and what the robot touched.
 
-Experiment *i* draws a start situation; every degree of freedom is then tried from it. All randomness follows from (root seed, robot, scene, start,
-i); sequences of other lengths share the start situations.
+Experiment i draws a start situation, from which every degree of freedom is tried, with a sequence
+and a permutation of its own. Sequences of other lengths share the start situations.
 """
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import pandas as pd
 
-from ....errors import TableError
 from ....scp.experiment import endings_per_dof
-from ....storage.batches import write_in_batches
-from ....storage.tables import TABLES, read_about, read_table, write_table
-from ....worlds.apartment.world import ApartmentWorld, PrivilegedInfo
+from ....storage.columns import FLOAT, INT, Column
 from ...config import Config
-from ...flatland.tables.flatland_experiments import part_bounds
-from ..builders import perceptual_features, settings_of_run, start_seed, world_of_run
+from ...declarations import Batched, Expected, Shards, table
+from ..builders import (
+    count_dofs,
+    experiment_runs,
+    perceptual_features,
+    settings_of_run,
+    start_seed,
+    world_of_run,
+)
+from ..columns import CONDITION, DOF, VIEW
 from ..config import ApartmentRun
 
-TABLE = "apartment_experiments"
-BATCH = 5  # start situations; with ten degrees of freedom some 20 seconds
-_COLUMNS = [column.name for column in TABLES[TABLE]]
+if TYPE_CHECKING:
+    from ....worlds.apartment.world import ApartmentWorld, PrivilegedInfo
+
+
+class ImageDistance(Protocol):
+    """Distances of images, pair by pair."""
+
+    def distances(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Two arrays uint8 (n, height, width, 3) -> (n,)."""
 
 
 def run_experiments(
-    config: Config, run: ApartmentRun, world: ApartmentWorld, features: Any, start: int, stop: int
+    config: Config,
+    run: ApartmentRun,
+    world: ApartmentWorld,
+    features: ImageDistance,
+    start: int,
+    stop: int,
 ) -> pd.DataFrame:
-    """Experiments start <= i < stop: a row per experiment, degree of freedom and field of view, columns of the table apartment_experiments."""
-    rows, first, second = [], [], []
-    views = config.apartment.views(run)
+    """Play the experiments start <= i < stop of a run.
+
+    Parameters
+    ----------
+    config : Config
+    run : ApartmentRun
+    world : ApartmentWorld
+        The world of the run, with a camera for each of its fields of view.
+    features : ImageDistance
+    start, stop : int
+
+    Returns
+    -------
+    DataFrame
+        Columns of the table apartment_experiments; a row per experiment, degree of freedom and
+        field of view.
+    """
+    rows, first, second = [], [], []  # the images of both orders, (height, width, 3) each
+    views, rest_steps = config.apartment.views(run), config.apartment.rest_steps
     for i in range(start, stop):
         seed = start_seed(config, run.robot, run.scene, run.start, i)
-        for dof, (one, other) in endings_per_dof(
-            world, seed, run.length, config.apartment.rest_steps
-        ).items():
-            events = _events(one.happened, other.happened)
-            for k, field_of_view in enumerate(views):
-                rows.append(
-                    (
-                        run.robot,
-                        run.scene,
-                        run.start,
-                        run.length,
-                        dof,
-                        i,
-                        seed,
-                        field_of_view,
-                        *events,
-                    )
-                )
-                first.append(one.observation[k])
-                second.append(other.observation[k])
-    frame = pd.DataFrame(rows, columns=[name for name in _COLUMNS if name != "distance"])
-    frame["distance"] = features.distances(np.stack(first), np.stack(second)).astype(float)
-    return frame[_COLUMNS]
-
-
-def _events(one: PrivilegedInfo, other: PrivilegedInfo) -> tuple[Any, ...]:
-    """What happened in either order, and by how much the ends differ; the columns from touched_fixed on."""
-    moved = np.maximum(one.object_shifts, other.object_shifts)
-    return (
-        max(one.touched_fixed, other.touched_fixed),
-        max(one.touched_movable, other.touched_movable),
-        max(one.touched_self, other.touched_self),
-        max(one.at_limit, other.at_limit),
-        float(moved.max(initial=0.0)),
-        float(np.hypot(*(one.base[:2] - other.base[:2]))),
-        float(abs(np.angle(np.exp(1j * (one.base[2] - other.base[2]))))),
-        float(np.abs(one.joints - other.joints).max(initial=0.0)),
-        one.clearance,
+        endings = endings_per_dof(world, seed, run.length, rest_steps)
+        for dof, (a, b) in endings.items():
+            events = _events(a.happened, b.happened)
+            rows += [(*run[:4], dof, i, seed, view, *events) for view in views]
+            first += list(a.observation)
+            second += list(b.observation)
+    names = apartment_experiments.column_names
+    frame = pd.DataFrame(rows, columns=names[:-1])
+    return frame.assign(
+        distance=features.distances(np.stack(first), np.stack(second)).astype(float)
     )
 
 
-def write_experiments(config: Config, run: ApartmentRun, part: int, out: Path) -> None:
-    """Write one job's share of a run's experiments to `out`, resuming from finished batches."""
+def _events(a: PrivilegedInfo, b: PrivilegedInfo) -> tuple[Any, ...]:
+    """The columns touched_fixed to clearance: touch in either order, and how the ends differ."""
+    shifts = np.maximum(a.object_shifts, b.object_shifts)
+    return (
+        max(a.touched_fixed, b.touched_fixed),
+        max(a.touched_movable, b.touched_movable),
+        max(a.touched_self, b.touched_self),
+        max(a.at_limit, b.at_limit),
+        float(shifts.max(initial=0.0)),
+        float(np.hypot(*(a.base[:2] - b.base[:2]))),
+        float(abs(np.angle(np.exp(1j * (a.base[2] - b.base[2]))))),
+        float(np.abs(a.joints - b.joints).max(initial=0.0)),
+        a.clearance,
+    )
+
+
+def _units(config: Config) -> dict[str, int]:
+    return {name: run.experiments for name, run in experiment_runs(config).items()}
+
+
+def _expected(config: Config) -> Expected:
+    settings, dofs = config.apartment, count_dofs(config.apartment)
+    counts = {
+        run[:4]: run.experiments * dofs[run.robot] * len(settings.views(run))
+        for run in settings.runs()
+    }
+    return Expected(("robot", "apartment", "start", "length"), counts)
+
+
+@table(
+    title="SC-experiments in apartments",
+    columns=(
+        *CONDITION,
+        DOF,
+        Column(
+            "experiment", INT, "1",
+            "number of the experiment; all degrees of freedom share its start situation", key=True,
+        ),
+        Column("seed", INT, "1", "seed of the experiment"),
+        VIEW,
+        Column(
+            "touched_fixed", INT, "steps",
+            "steps in which the robot touched a fixture, in the order with more of them",
+        ),
+        Column("touched_movable", INT, "steps", "as touched_fixed, for movable objects"),
+        Column("touched_self", INT, "steps", "as touched_fixed, for the robot's own body"),
+        Column(
+            "at_limit", INT, "steps",
+            "steps in which a joint was commanded beyond its limit, in the order with more of them",
+        ),
+        Column("object_shift", FLOAT, "m", "largest displacement of an object in either order"),
+        Column("base_difference", FLOAT, "m", "distance between the two final base positions"),
+        Column("turn_difference", FLOAT, "rad", "difference of the two final headings"),
+        Column(
+            "joint_difference", FLOAT, "rad or m",
+            "largest difference between the two final positions of a joint",
+        ),
+        Column(
+            "clearance", FLOAT, "m",
+            "distance from the arm to the nearest obstacle at the start; 1 if it is larger",
+        ),
+        Column(
+            "distance", FLOAT, "squared VGG16 feature",
+            "squared distance of the features of the two final observations",
+        ),
+    ),
+    shards=Shards(
+        runs=_units,
+        settings=lambda config, run: settings_of_run(config, experiment_runs(config)[run]),
+        per_shard=lambda config: config.apartment.experiments_per_job,
+    ),
+    expected=_expected,
+)  # fmt: skip
+def apartment_experiments(config: Config, run: str) -> Batched:
+    """Play the SC-experiments of one robot in one scene.
+
+    The source and the hash of the VGG16 weights are stored in the file.
+    """
     import torch
 
     torch.set_num_threads(1)
-    world, features = world_of_run(config, run), perceptual_features(config)
-    start, stop = part_bounds(config.apartment.experiments_per_job, run.experiments, part)
-    settings = json.dumps([settings_of_run(config, run), features.about])
+    settings = experiment_runs(config)[run]
+    world, features = world_of_run(config, settings), perceptual_features(config)
 
-    def compute(low: int, high: int) -> pd.DataFrame:
-        return run_experiments(config, run, world, features, low, high)
+    def compute(start: int, stop: int) -> pd.DataFrame:
+        return run_experiments(config, settings, world, features, start, stop)
 
-    write_in_batches(
-        TABLE, compute, start, stop, out, config, settings, BATCH, about=features.about
-    )
-
-
-def gather_experiments(parts: list[Path], out: Path, config: Config) -> None:
-    """Put the parts of apartment_experiments together, in the order given. Raises TableError if they were seen through different weights."""
-    frame = pd.concat([read_table(TABLE, part) for part in parts], ignore_index=True)
-    weights = {read_about(part).get("vgg16_sha256", ""): part for part in parts}
-    if len(weights) > 1:
-        raise TableError(
-            f"{' and '.join(map(str, weights.values()))}: made with different VGG16 weights; delete the parts and run again"
-        )
-    about = {key: value for key, value in read_about(parts[0]).items() if key.startswith("vgg16_")}
-    write_table(TABLE, frame, out, config, about)
+    return Batched(compute, size=5, metadata=features.metadata)

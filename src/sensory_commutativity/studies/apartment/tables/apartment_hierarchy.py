@@ -1,114 +1,117 @@
-"""Are wheels below the arm, and does the arm rise outward? Groups of degrees of freedom compared on shared start situations (section III-C).
+"""Whether the SCP of the wheels is below that of the arm, and rises along the arm (paper, section
+III-C): groups of degrees of freedom compared on shared start situations.
 
-The groups and their expected order are those of the robot's description. In every start situation the mean of a group is the fraction of its degrees
-of freedom that commuted; the paired differences of two groups are tested (Student's t), Holm-corrected over the steps of a condition.
+The groups and their expected order are part of the robot's description. The mean of a group in a
+start situation is the fraction of its degrees of freedom that commuted. Differences between two
+groups are tested by a paired t-test, Holm-corrected over the steps of a condition.
 """
 
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 
-import numpy as np
 import pandas as pd
-from scipy import stats
 
 from ....scp.estimate import commutes
-from ....statistics.paired import holm
-from ....storage.tables import TABLES, read_table, write_table
-from ....worlds.apartment.robots.robot import load_robot
+from ....storage.columns import FLOAT, INT, INTERVAL, P_VALUES, TEXT, Column
 from ...config import Config
-from .apartment_scp import CONDITION
+from ...declarations import Expected, table
+from ..builders import contents, robot_of
+from ..columns import CONDITION, THRESHOLD, VIEW
+from .apartment_scp import KEYS
 
 
-def group_steps(
+def compare_groups(
     experiments: pd.DataFrame, groups: dict[str, list[str]], threshold: float
 ) -> pd.DataFrame:
-    """Every pair of neighbouring groups, (lower, higher) as expected.
+    """Compare every group with the next.
 
     Parameters
     ----------
     experiments : DataFrame
         Columns dof, experiment, distance of one condition.
-    groups : mapping
+    groups : dict
         Group -> its degrees of freedom, from the lowest expected SCP to the highest.
+    threshold : float
+        Largest distance that counts as equal.
 
     Returns
     -------
     DataFrame
-        lower, higher, n, scp_lower, scp_higher, difference (lower minus higher), ci_low, ci_high, p, p_adjusted.
+        A row per step from one group to the next: lower, higher, n, scp_lower, scp_higher,
+        difference (lower minus higher), ci_low, ci_high, p, p_adjusted.
     """
+    from ....statistics.paired import holm, paired_means
+
     commuted = experiments.assign(commuted=commutes(experiments["distance"].to_numpy(), threshold))
     by_dof = commuted.pivot(index="experiment", columns="dof", values="commuted").astype(float)
     means = {group: by_dof[dofs].mean(axis=1).to_numpy() for group, dofs in groups.items()}
     rows = []
-    names = list(groups)
-    for lower, higher in pairwise(names):
-        difference = means[lower] - means[higher]
-        test = paired_means(difference)
+    for lower, higher in pairwise(groups):
+        difference = means[lower] - means[higher]  # (experiments,)
         rows.append(
-            (
-                lower,
-                higher,
-                len(difference),
-                means[lower].mean(),
-                means[higher].mean(),
-                difference.mean(),
-                *test,
-            )
-        )
-    columns = [
-        "lower",
-        "higher",
-        "n",
-        "scp_lower",
-        "scp_higher",
-        "difference",
-        "ci_low",
-        "ci_high",
-        "p",
+            (lower, higher, len(difference), means[lower].mean(), means[higher].mean(),
+             difference.mean(), *paired_means(difference))
+        )  # fmt: skip
+    columns = ["lower", "higher", "n", "scp_lower", "scp_higher", "difference", "ci_low",
+               "ci_high", "p"]  # fmt: skip
+    steps = pd.DataFrame(rows, columns=columns)
+    steps["p_adjusted"] = holm(steps["p"].to_numpy())
+    return steps
+
+
+def _settings(config: Config) -> object:
+    robots = config.apartment.robots
+    return [
+        config.apartment.thresholds,
+        {name: contents(robot.description, "robot") for name, robot in robots.items()},
     ]
-    table = pd.DataFrame(rows, columns=columns)
-    table["p_adjusted"] = holm(table["p"].to_numpy())
-    return table
 
 
-def paired_means(difference: np.ndarray, confidence: float = 0.95) -> tuple[float, float, float]:
-    """Interval of the mean of paired differences (n,), and the two-sided p-value of its being 0: (low, high, p).
-
-    Student's t; where all differences are equal, and not 0, the exact sign test, and as the interval what is left when as many of them have the other
-    sign as the Clopper-Pearson interval of none in n allows.
-    """
-    mean, n = float(difference.mean()), len(difference)
-    if (
-        np.ptp(difference) == 0
-    ):  # no variance to test with: the exact sign test, and an interval that no further value of another sign would leave
-        if mean == 0:
-            return 0.0, 0.0, 1.0
-        ends = sorted((mean, mean * (1 - 2 * (1 - ((1 - confidence) / 2) ** (1 / n)))))
-        return ends[0], ends[1], min(1.0, 2.0 ** (1 - n))
-    low, high = stats.t.interval(confidence, len(difference) - 1, mean, stats.sem(difference))
-    return float(low), float(high), float(stats.ttest_1samp(difference, 0).pvalue)
-
-
-def write_hierarchy(experiments: Path, out: Path, config: Config) -> None:
-    """All conditions at all thresholds."""
-    frame = read_table("apartment_experiments", experiments)
-    descriptions = {
-        name: load_robot(robot.description) for name, robot in config.apartment.robots.items()
+def _expected(config: Config) -> Expected:
+    settings = config.apartment
+    robots = dict.fromkeys(run.robot for run in settings.runs())
+    groups = {robot: len(robot_of(settings, robot).hierarchy) for robot in robots}
+    counts = {
+        (*run[:4], view): (groups[run.robot] - 1) * len(settings.thresholds)
+        for run in settings.runs()
+        if groups[run.robot] > 1
+        for view in settings.views(run)
     }
-    tables = []
-    for condition, rows in frame.groupby(CONDITION, sort=False):
-        groups = descriptions[condition[0]].hierarchy
-        for threshold in config.apartment.thresholds if len(groups) > 1 else ():
-            tables.append(
-                group_steps(rows, groups, threshold).assign(
-                    threshold=threshold, **dict(zip(CONDITION, condition, strict=True))
-                )
-            )
-    frame = (
-        pd.concat(tables, ignore_index=True)
-        if tables
-        else pd.DataFrame(columns=[column.name for column in TABLES["apartment_hierarchy"]])
-    )
-    write_table("apartment_hierarchy", frame, out, config)
+    return Expected(tuple(KEYS), counts)
+
+
+@table(
+    title="SCP along the hierarchy of every robot",
+    columns=(
+        *CONDITION,
+        VIEW,
+        THRESHOLD,
+        Column("lower", TEXT, "", "group of dofs that is expected to have the lower SCP", key=True),
+        Column("higher", TEXT, "", "the next group, expected to have a higher SCP", key=True),
+        Column("n", INT, "1", "start situations"),
+        Column("scp_lower", FLOAT, "1", "mean SCP of the group lower"),
+        Column("scp_higher", FLOAT, "1", "mean SCP of the group higher"),
+        Column("difference", FLOAT, "1", "scp_lower minus scp_higher"),
+        *INTERVAL,
+        *P_VALUES,
+    ),
+    inputs=["apartment_experiments"],
+    settings=_settings,
+    expected=_expected,
+)
+def apartment_hierarchy(experiments: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """All steps of all conditions, at every threshold; no rows for a robot without a hierarchy."""
+    robots = experiments["robot"].unique()
+    hierarchies = {robot: robot_of(config.apartment, robot).hierarchy for robot in robots}
+    tables = [
+        compare_groups(rows, hierarchies[condition[0]], threshold).assign(
+            threshold=threshold, **dict(zip(KEYS, condition, strict=True))
+        )
+        for condition, rows in experiments.groupby(KEYS, sort=False)
+        if len(hierarchies[condition[0]]) > 1
+        for threshold in config.apartment.thresholds
+    ]
+    if not tables:
+        return pd.DataFrame(columns=apartment_hierarchy.column_names)
+    return pd.concat(tables, ignore_index=True)

@@ -1,22 +1,47 @@
-"""The SCP of every degree of freedom of every robot, at all thresholds and fields of view (paper, Fig. "iGibson", right, and appendix C)."""
+"""The SCP of every degree of freedom of every robot (paper, Fig. "iGibson", right, and
+appendix C)."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import pandas as pd
 
 from ....scp.estimate import estimate_scp
-from ....storage.tables import read_table, write_table
+from ....storage.columns import FLOAT, INT, INTERVAL, Column
 from ...config import Config
+from ...declarations import Expected, table
+from ..builders import count_dofs
+from ..columns import CONDITION, DOF, THRESHOLD, VIEW
 
-CONDITION = ["robot", "apartment", "start", "length", "field_of_view"]
+KEYS = [column.name for column in (*CONDITION, VIEW)]
+"""Columns that identify a condition: robot, apartment, start, length and field of view."""
 
 
-def write_scp(experiments: Path, out: Path, config: Config) -> None:
-    """A row per condition, degree of freedom and threshold."""
-    frame = read_table("apartment_experiments", experiments)
-    write_table(
-        "apartment_scp",
-        estimate_scp(frame, [*CONDITION, "dof"], config.apartment.thresholds),
-        out,
-        config,
-    )
+def _expected(config: Config) -> Expected:
+    settings, dofs = config.apartment, count_dofs(config.apartment)
+    counts = {
+        (*run[:4], view): dofs[run.robot] * len(settings.thresholds)
+        for run in settings.runs()
+        for view in settings.views(run)
+    }
+    return Expected(tuple(KEYS), counts)
+
+
+@table(
+    title="SCP of every degree of freedom in apartments",
+    columns=(
+        *CONDITION,
+        VIEW,
+        DOF,
+        THRESHOLD,
+        Column("n", INT, "1", "SC-experiments"),
+        Column("commuted", INT, "1", "how many of them commuted"),
+        Column("scp", FLOAT, "1", "sensory commutativity probability"),
+        *INTERVAL,
+    ),
+    inputs=["apartment_experiments"],
+    settings=lambda config: config.apartment.thresholds,
+    expected=_expected,
+)
+def apartment_scp(experiments: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """The SCP at every threshold, for every condition and degree of freedom."""
+    return estimate_scp(experiments, [*KEYS, "dof"], config.apartment.thresholds)

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from ....seeding import generator, seed_for
 from ....worlds.flatland.drawing import draw_room
 from ...config import Config
+from ...declarations import figure
 from ...plotting import DOF_ORDER, dof_bars, dof_label, probability_axis
 from ..builders import flatland_world
 from ..hierarchy import ALPHA
@@ -34,7 +35,12 @@ def _marked(dof: str, trends: pd.DataFrame, agent: str) -> str:
     return f"{dof_label(dof)} {''.join(found)}".strip()
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="SCP for combinations of agents and rooms: more objects, longer arms",
+    inputs=["flatland_scp", "flatland_trends"],
+    settings=lambda config: config.flatland,
+)
+def flatland_combinations(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     flatland = config.flatland
     worlds, agents = flatland.combinations.worlds, flatland.combinations.agents
     scp = tables["flatland_scp"]

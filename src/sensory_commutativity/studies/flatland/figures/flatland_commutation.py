@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import DOF_ORDER, dof_label, probability_text
 from ..builders import flatland_agent
 
@@ -47,7 +48,12 @@ def _matrix(axes: Axes, table: pd.DataFrame, labels: list[str]) -> AxesImage:
     return image
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="Which degrees of freedom commute with which: Philipona's conjecture as a matrix",
+    inputs=["flatland_commutation"],
+    settings=lambda config: config.flatland,
+)
+def flatland_commutation(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     table, flatland = tables["flatland_commutation"], config.flatland
     still = {
         dof.name

@@ -7,13 +7,19 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import BLUE, GREEN, GREY, VERMILION, dof_label, p_text
 from ..hierarchy import HIERARCHY, LEFT_AND_RIGHT, ordered_difference
 
 _COLOURS = (BLUE, VERMILION, GREEN, GREY)
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="The hierarchy of the degrees of freedom as differences of SCP with intervals and tests",
+    inputs=["flatland_comparisons"],
+    settings=lambda config: config.flatland,
+)
+def flatland_comparisons(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     comparisons, reference = tables["flatland_comparisons"], config.flatland.reference
     comparisons = comparisons[
         (comparisons["world"] == reference.world) & (comparisons["agent"] == reference.agent)

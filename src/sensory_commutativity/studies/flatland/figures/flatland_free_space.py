@@ -7,12 +7,18 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import BLACK, BLUE, DOF_ORDER, GREEN, GREY, PURPLE, VERMILION, dof_label
 
 _MARKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "^"), (PURPLE, "D"), (BLACK, "v"))
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="Where nothing is in the way everything should commute: free space and the closed empty room (theory; paper, appendix B)",
+    inputs=["flatland_scp"],
+    settings=lambda config: config.flatland,
+)
+def flatland_free_space(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     flatland = config.flatland
     empty = [
         world

@@ -8,10 +8,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import DOF_ORDER, dof_bars, p_text, probability_axis, reference_rows
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="SCP of every degree of freedom, and the two alternatives that the paper tried",
+    inputs=["flatland_scp", "flatland_baselines", "flatland_alternatives"],
+    settings=lambda config: config.flatland,
+)
+def flatland_scp(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4.4))
     scp = reference_rows(tables["flatland_scp"], config)
     dof_bars(left, DOF_ORDER, scp["scp"], scp["ci_low"], scp["ci_high"], digits=3)

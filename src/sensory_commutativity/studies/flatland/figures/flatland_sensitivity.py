@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import DOF_COLOURS, DOF_MARKERS, DOF_ORDER, dof_label, probability_axis
 
 
@@ -29,7 +30,12 @@ def _lines(axes: Axes, table: pd.DataFrame, x: str) -> None:
     probability_axis(axes)
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="How the SCP depends on the length of the sequences and on the threshold (beyond the paper)",
+    inputs=["flatland_sensitivity"],
+    settings=lambda config: config.flatland,
+)
+def flatland_sensitivity(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     table, main = tables["flatland_sensitivity"], config.flatland.sequence_length
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 4.2), sharey=True)
     _lines(left, table[table["threshold"] == 0], "length")

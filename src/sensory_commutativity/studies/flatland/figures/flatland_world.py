@@ -13,11 +13,16 @@ from matplotlib.lines import Line2D
 from ....seeding import generator, seed_for
 from ....worlds.flatland.drawing import draw_room, draw_view
 from ...config import Config
+from ...declarations import figure
 from ...plotting import dof_label
 from ..builders import flatland_world
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="The simulation: Polyphemus in its room, from above and through its eye",
+    settings=lambda config: config.flatland,
+)
+def flatland_world(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     reference = config.flatland.reference
     world = flatland_world(config.flatland, reference.world, reference.agent)
     world.reset(

@@ -1,67 +1,75 @@
-"""Naive change and prediction error of every degree of freedom, and how far they agree with the SCP (paper, appendix A)."""
+"""The paper's two alternatives to the SCP, for every degree of freedom (appendix A): how much the
+sensors change, and how hard that is to predict."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pandas as pd
 
-from ....seeding import generator, seed_for
-from ....statistics.ranks import rank_correlation
-from ....storage.tables import read_table, write_table
+from ....seeding import seed_for
+from ....storage.columns import FLOAT, INT, Column
 from ...config import Config
+from ...declarations import Batched, Expected, Shards, table
+from ..builders import DOFS
+from ..columns import DOF
 from ..naive_change import mean_and_standard_error, squared_change
 from ..transitions import collect_transitions
 
-TABLE = "flatland_baselines"
+COLOUR = "squared 8-bit colour"
 
 
-def write_baseline(config: Config, dof: str, out: Path) -> None:
-    """Measure both alternatives for one degree of freedom; its excess error is not known yet."""
-    from ..prediction import (
-        prediction_error,  # torch takes seconds to import, and only this command needs it
-    )
-
-    transitions = collect_transitions(config, dof)
-    naive, naive_se = mean_and_standard_error(squared_change(transitions))
-    errors = prediction_error(
-        transitions, config.flatland.baselines, seed_for(config.seed, "prediction", dof) % 2**32
-    )
-    predicted, predicted_se = mean_and_standard_error(errors)
-    n_test = errors.size * transitions.actions.shape[1]
-    row = dict(
-        dof=dof, naive_mse=naive, naive_se=naive_se, prediction_mse=predicted, prediction_se=predicted_se,
-        excess_error=float("nan"), n_transitions=config.flatland.baselines.transitions, n_test=n_test,
-    )  # fmt: skip
-    write_table(TABLE, pd.DataFrame([row]), out, config)
+def _settings(config: Config, dof: str) -> object:
+    flatland = config.flatland
+    world, agent = flatland.reference.world, flatland.reference.agent
+    return [world, flatland.worlds[world], agent, flatland.agents[agent],
+            flatland.sequence_length, flatland.baselines]  # fmt: skip
 
 
-def gather_baselines(parts: list[Path], out: Path, config: Config) -> None:
-    """Put the degrees of freedom together; the excess error is what each has above the smallest error (paper, appendix A)."""
-    frame = pd.concat([read_table(TABLE, part) for part in parts], ignore_index=True)
-    frame["excess_error"] = frame["prediction_mse"] - frame["prediction_mse"].min()
-    write_table(TABLE, frame, out, config)
+def _excess_error(baselines: pd.DataFrame) -> pd.DataFrame:
+    """Prediction error above the smallest of all degrees of freedom (paper, appendix A)."""
+    error = baselines["prediction_mse"]
+    return baselines.assign(excess_error=error - error.min())
 
 
-def write_alternatives(baselines: Path, scp: Path, out: Path, config: Config) -> None:
-    """Rank correlation of each alternative with 1 - SCP over the degrees of freedom: 1 if it put them in the same order as the SCP."""
-    reference = config.flatland.reference
-    rows = read_table("flatland_scp", scp)
-    rows = rows[
-        (rows["world"] == reference.world)
-        & (rows["agent"] == reference.agent)
-        & (rows["threshold"] == 0)
-    ]
-    frame = read_table(TABLE, baselines).merge(
-        rows[["dof", "scp"]], on="dof", validate="one_to_one"
-    )
-    table = []
-    for alternative, column in (
-        ("naive change", "naive_mse"),
-        ("excess prediction error", "excess_error"),
-    ):
-        rng = generator(seed_for(config.seed, "alternatives"), alternative)
-        found = rank_correlation(frame[column].to_numpy(), 1 - frame["scp"].to_numpy(), rng)
-        table.append((alternative, found.n, found.spearman, found.kendall, found.p))
-    columns = ["alternative", "n", "spearman", "kendall", "p"]
-    write_table("flatland_alternatives", pd.DataFrame(table, columns=columns), out, config)
+@table(
+    title="Naive change and prediction error of every degree of freedom",
+    columns=(
+        DOF,
+        Column("naive_mse", FLOAT, COLOUR, "mean squared change of the observation in a transition"),
+        Column("naive_se", FLOAT, COLOUR, "standard error of naive_mse, sequences as units"),
+        Column(
+            "prediction_mse", FLOAT, COLOUR,
+            "mean squared error of the predicted next observation, test transitions",
+        ),
+        Column("prediction_se", FLOAT, COLOUR,
+               "standard error of prediction_mse, sequences as units"),
+        Column(
+            "excess_error", FLOAT, COLOUR,
+            "prediction_mse less the smallest of all degrees of freedom", nullable=True,
+        ),
+        Column("n_transitions", INT, "1", "transitions"),
+        Column("n_test", INT, "1", "transitions that tested the prediction"),
+    ),
+    shards=Shards(runs=lambda config: dict.fromkeys(DOFS, 1), settings=_settings),
+    gather=_excess_error,
+    expected=lambda config: Expected(("dof",), {(dof,): 1 for dof in DOFS}),
+)  # fmt: skip
+def flatland_baselines(config: Config, dof: str) -> Batched:
+    """Measure both alternatives for one degree of freedom; the excess error needs all of them."""
+
+    def compute(start: int, stop: int) -> pd.DataFrame:
+        from ..prediction import prediction_error  # imports torch
+
+        settings = config.flatland.baselines
+        transitions = collect_transitions(config, dof)
+        naive, naive_se = mean_and_standard_error(squared_change(transitions))
+        seed = seed_for(config.seed, "prediction", dof) % 2**32
+        errors = prediction_error(transitions, settings, seed)
+        predicted, predicted_se = mean_and_standard_error(errors)
+        row = dict(
+            dof=dof, naive_mse=naive, naive_se=naive_se, prediction_mse=predicted,
+            prediction_se=predicted_se, excess_error=float("nan"),
+            n_transitions=settings.transitions, n_test=errors.size * transitions.actions.shape[1],
+        )  # fmt: skip
+        return pd.DataFrame([row])
+
+    return Batched(compute)

@@ -1,52 +1,68 @@
-"""SC-experiments of every degree of freedom of an agent in a world (paper, definition 3 and section III-A).
+"""SC-experiments of every degree of freedom of an agent in a world (paper, definition 3 and
+section III-A).
 
-Experiment *i* draws a start situation; every degree of freedom is then tried from it, with a sequence and a permutation of its own. All randomness
-follows from (root seed, stage, world, agent, i), so the result does not depend on how experiments are cut into jobs and batches.
+Experiment i draws a start situation, from which every degree of freedom is tried, with a sequence
+and a permutation of its own. Sequences of other lengths share the start situations.
 """
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import pandas as pd
 
 from ....scp.experiment import distances_per_dof
 from ....seeding import seed_for
-from ....storage.batches import write_in_batches
-from ....storage.tables import TABLES
+from ....storage.columns import INT, Column
 from ...config import Config
-from ..builders import flatland_world
-from ..config import Run
-
-TABLE = "flatland_experiments"
-_COLUMNS = [column.name for column in TABLES[TABLE]]
+from ...declarations import Batched, Expected, Shards, table
+from ..builders import DOFS, experiment_runs, flatland_world
+from ..columns import AGENT, DISTANCE, DOF, LENGTH, SEED, WORLD
 
 
-def run_experiments(config: Config, run: Run, start: int, stop: int) -> pd.DataFrame:
-    """Experiments start <= i < stop: a row per experiment and degree of freedom, columns of the table flatland_experiments."""
-    world = flatland_world(config.flatland, run.world, run.agent)
-    rows = []
-    for i in range(start, stop):
-        seed = seed_for(config.seed, "flatland", run.world, run.agent, i)
-        found = distances_per_dof(world, seed, run.length, rest_steps=config.flatland.rest_steps)
-        rows += [
-            (run.world, run.agent, run.length, dof, i, seed, distance)
-            for dof, distance in found.items()
-        ]
-    return pd.DataFrame(rows, columns=_COLUMNS)
+def _settings(config: Config, run: str) -> object:
+    flatland, (world, agent, length, _) = config.flatland, experiment_runs(config)[run]
+    return [length, flatland.rest_steps, world, flatland.worlds[world], agent,
+            flatland.agents[agent]]  # fmt: skip
 
 
-def part_bounds(per_job: int, n: int, part: int) -> tuple[int, int]:
-    """Which of `n` experiments the job number `part`, from 0, does: start <= i < stop."""
-    return part * per_job, min(n, (part + 1) * per_job)
+def _expected(config: Config) -> Expected:
+    rows = {run[:3]: run.experiments * len(DOFS) for run in config.flatland.runs()}
+    return Expected(("world", "agent", "length"), rows)
 
 
-def write_experiments(config: Config, run: Run, part: int, out: Path) -> None:
-    """Write one job's share of a run's experiments to `out`, resuming from finished batches."""
-    start, stop = part_bounds(config.flatland.experiments_per_job, run.experiments, part)
-    settings = f"{config.seed} {run} {config.flatland.rest_steps} {config.flatland.worlds[run.world]!r} {config.flatland.agents[run.agent]!r}"
+@table(
+    title="SC-experiments in Flatland",
+    columns=(
+        WORLD,
+        AGENT,
+        LENGTH,
+        DOF,
+        Column(
+            "experiment", INT, "1",
+            "number of the experiment; all degrees of freedom share its start situation", key=True,
+        ),
+        SEED,
+        DISTANCE,
+    ),
+    shards=Shards(
+        runs=lambda config: {name: run.experiments for name, run in experiment_runs(config).items()},
+        settings=_settings,
+        per_shard=lambda config: config.flatland.experiments_per_job,
+    ),
+    expected=_expected,
+)  # fmt: skip
+def flatland_experiments(config: Config, run: str) -> Batched:
+    """Play the SC-experiments of one agent in one world."""
+    world, agent, length, _ = experiment_runs(config)[run]
+    simulated = flatland_world(config.flatland, world, agent)
 
-    def compute(low: int, high: int) -> pd.DataFrame:
-        return run_experiments(config, run, low, high)
+    def compute(start: int, stop: int) -> pd.DataFrame:
+        rows = []
+        for i in range(start, stop):
+            seed = seed_for(config.seed, "flatland", world, agent, i)
+            distances = distances_per_dof(
+                simulated, seed, length, rest_steps=config.flatland.rest_steps
+            )
+            rows += [(world, agent, length, dof, i, seed, d) for dof, d in distances.items()]
+        return pd.DataFrame(rows, columns=flatland_experiments.column_names)
 
-    write_in_batches(TABLE, compute, start, stop, out, config, settings)
+    return Batched(compute)

@@ -1,34 +1,56 @@
-"""Does the SCP fall with the number of objects and with the length of the arms? (paper, appendix B)
+"""Whether the SCP falls with the number of objects and with the length of the arms (paper,
+appendix B).
 
-The experiments of different worlds and agents are independent: each has start situations of its own.
+The experiments of different worlds and agents are independent: each has its own start situations.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
-from ....statistics.paired import holm
-from ....statistics.trends import cochran_armitage, mantel_haenszel
-from ....storage.tables import read_table, write_table
+from ....storage.columns import FLOAT, P_VALUES, TEXT, Column
 from ...config import Config
+from ...declarations import table
+from ..columns import DOF
 
 OBJECTS, ARM_LENGTH = "more objects", "longer arms"
 
 
-def find_trends(scp: pd.DataFrame, config: Config) -> pd.DataFrame:
-    """Cochran-Armitage over the number of objects for each agent; Cochran-Mantel-Haenszel over agents within worlds; all Holm-corrected together.
+@table(
+    title="Trends of the SCP with objects and arm length",
+    columns=(
+        Column("trend", TEXT, "", "objects or arm length", key=True),
+        Column("stratum", TEXT, "", "the agent for objects; all worlds for arm length", key=True),
+        DOF,
+        Column("test", TEXT, "", "name of the test"),
+        Column("statistic", FLOAT, "1", "z of the trend, or the pooled odds ratio", nullable=True),
+        Column(
+            "effect", FLOAT, "1", "change of SCP per object, or from the shorter to the longer arms"
+        ),
+        *P_VALUES,
+    ),
+    inputs=["flatland_scp"],
+    settings=lambda config: [
+        config.flatland.combinations,
+        {world: config.flatland.worlds[world] for world in config.flatland.combinations.worlds},
+        {agent: config.flatland.agents[agent] for agent in config.flatland.combinations.agents},
+    ],
+)
+def flatland_trends(scp: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """Cochran-Armitage tests over the number of objects for each agent, and
+    Cochran-Mantel-Haenszel tests over agents within worlds, all Holm-corrected together.
 
-    `scp` is a flatland_scp table; rows of the combinations at threshold 0 are used. Arms are compared between the agents of the combinations with
-    the shortest and the longest arms; where there is only one agent that comparison is left out.
+    Rows of the combinations at threshold 0 are used. Arms are compared between the agents with the
+    shortest and the longest arms; with a single agent there is no such comparison.
     """
+    from ....statistics.paired import holm
+    from ....statistics.trends import cochran_armitage, mantel_haenszel
+
     flatland = config.flatland
     worlds, agents = flatland.combinations.worlds, flatland.combinations.agents
-    counts = scp[
-        (scp["threshold"] == 0) & scp["world"].isin(worlds) & scp["agent"].isin(agents)
-    ].set_index(["agent", "dof", "world"])
+    chosen = (scp["threshold"] == 0) & scp["world"].isin(worlds) & scp["agent"].isin(agents)
+    counts = scp[chosen].set_index(["agent", "dof", "world"])
     dofs = list(dict.fromkeys(counts.index.get_level_values("dof")))
     counts = counts.sort_index()
     objects = np.array([flatland.worlds[world].objects for world in worlds])
@@ -38,31 +60,15 @@ def find_trends(scp: pd.DataFrame, config: Config) -> pd.DataFrame:
     for dof in dofs:
         group = {agent: counts.loc[(agent, dof)].loc[worlds] for agent in agents}
         for agent in agents:
-            test = cochran_armitage(group[agent]["commuted"], group[agent]["n"], objects)
-            rows.append((OBJECTS, agent, dof, "Cochran-Armitage", test.z, test.slope, test.p))
+            trend = cochran_armitage(group[agent]["commuted"], group[agent]["n"], objects)
+            rows.append((OBJECTS, agent, dof, "Cochran-Armitage", trend.z, trend.slope, trend.p))
         if shortest != longest:
             long, short = group[longest], group[shortest]
-            test = mantel_haenszel(long["commuted"], long["n"], short["commuted"], short["n"])
+            pooled = mantel_haenszel(long["commuted"], long["n"], short["commuted"], short["n"])
             effect = float((long["scp"] - short["scp"]).mean())
-            rows.append(
-                (
-                    ARM_LENGTH,
-                    "all worlds",
-                    dof,
-                    "Cochran-Mantel-Haenszel",
-                    test.odds_ratio,
-                    effect,
-                    test.p,
-                )
-            )
-    table = pd.DataFrame(
-        rows, columns=["trend", "stratum", "dof", "test", "statistic", "effect", "p"]
-    )
-    table["p_adjusted"] = holm(table["p"].to_numpy())
-    return table.sort_values(["trend", "stratum"], ascending=[False, True], kind="stable")
-
-
-def write_trends(scp: Path, out: Path, config: Config) -> None:
-    write_table(
-        "flatland_trends", find_trends(read_table("flatland_scp", scp), config), out, config
-    )
+            rows.append((ARM_LENGTH, "all worlds", dof, "Cochran-Mantel-Haenszel",
+                         pooled.odds_ratio, effect, pooled.p))  # fmt: skip
+    columns = ["trend", "stratum", "dof", "test", "statistic", "effect", "p"]
+    trends = pd.DataFrame(rows, columns=columns)
+    trends["p_adjusted"] = holm(trends["p"].to_numpy())
+    return trends.sort_values(["trend", "stratum"], ascending=[False, True], kind="stable")

@@ -8,10 +8,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import DOF_ORDER, dof_label
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="The action spaces, as made from the measured SCPs",
+    inputs=["navigation_action_spaces"],
+    settings=lambda config: [config.flatland, config.navigation],
+)
+def navigation_action_spaces(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     table = tables["navigation_action_spaces"]
     scp = table.drop_duplicates("dof").set_index("dof")["scp"].loc[DOF_ORDER]
     spaces = config.navigation.action_spaces

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import BLUE, GREY, MEASURE_LABELS, p_text
 from ..tables.navigation_comparisons import HOWELL, STEPS, WELCH, pairs
 
@@ -76,7 +77,12 @@ class _Panel:
         self.axes.set_ylim(len(rows) - 0.5, -0.7)
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="Differences between the action spaces, pair by pair: a forest plot",
+    inputs=["navigation_comparisons"],
+    settings=lambda config: [config.flatland, config.navigation],
+)
+def navigation_comparisons(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     table, alpha = tables["navigation_comparisons"], config.navigation.alpha
     order = pairs(config)
     figure, grid = plt.subplots(1, 4, figsize=(14, 0.42 * len(order) + 2.4), sharey=True)

@@ -11,6 +11,7 @@ from scipy import stats
 
 from ....worlds.flatland.drawing import draw_room, draw_view
 from ...config import Config
+from ...declarations import figure
 from ...plotting import GREY, SPACE_COLOURS, SPACE_LINES, SPACE_MARKERS
 from ..builders import evaluation_seeds, navigation_environment
 from ..tables.navigation_comparisons import pairs
@@ -78,7 +79,12 @@ def _dots(axes: Axes, checkpoints: pd.DataFrame, config: Config, top: float, lin
         )
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="The navigation task, and what the agents learn with each action space",
+    inputs=["navigation_curves", "navigation_checkpoints"],
+    settings=lambda config: [config.flatland, config.navigation],
+)
+def navigation_learning(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     navigation = config.navigation
     curves = tables["navigation_curves"]
     figure = plt.figure(figsize=(12, 5.2))

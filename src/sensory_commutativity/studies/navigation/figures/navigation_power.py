@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from ....statistics.power import power_of_t_test
 from ...config import Config
+from ...declarations import figure
 from ...plotting import BLUE, GREY, MEASURE_LABELS, ORANGE, SPACE_COLOURS
 from ..config import NavigationConfig
 from ..tables.navigation_calibration import HALVES, RESAMPLED
@@ -116,7 +117,12 @@ def _calibration(
     axes.legend(loc="upper right", fontsize=7.5)
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="Which differences would these numbers of runs find, and do the tests err as often as they should?",
+    inputs=["navigation_power", "navigation_calibration", "navigation_comparisons"],
+    settings=lambda config: [config.flatland, config.navigation],
+)
+def navigation_power(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     figure, (left, *right) = plt.subplots(1, 3, figsize=(15, 4.6), width_ratios=[1.2, 1, 1])
     n = len(config.navigation.seeds)
     calibration = tables["navigation_calibration"]

@@ -7,10 +7,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import GREY, SPACE_COLOURS, SPACE_LINES
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="Performance profiles: the fraction of runs that end with at least a return (Agarwal et al. 2021)",
+    inputs=["navigation_profiles"],
+    settings=lambda config: [config.flatland, config.navigation],
+)
+def navigation_profiles(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     navigation = config.navigation
     profiles = tables["navigation_profiles"]
     figure, axes = plt.subplots(figsize=(7.6, 4.4))

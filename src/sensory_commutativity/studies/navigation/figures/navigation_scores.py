@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import MEASURE_LABELS, SPACE_COLOURS
 
 _SPREAD = 0.3
@@ -19,7 +20,12 @@ def _spread(n: int) -> np.ndarray:
     return _SPREAD * 2 * ((np.arange(n) * (np.sqrt(5) - 1) / 2) % 1 - 0.5)
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="Every training run's scores: nothing is averaged away",
+    inputs=["navigation_scores", "navigation_summary"],
+    settings=lambda config: [config.flatland, config.navigation],
+)
+def navigation_scores(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     navigation = config.navigation
     scores, summary = (
         tables["navigation_scores"],

@@ -9,11 +9,17 @@ from matplotlib.figure import Figure
 
 from ....statistics.survival import median_time
 from ...config import Config
+from ...declarations import figure
 from ...plotting import SPACE_COLOURS, SPACE_LINES, p_text
 from ..tables.navigation_comparisons import LOG_RANK
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="How many runs have not yet learned the task: Kaplan-Meier curves of the steps to the threshold return",
+    inputs=["navigation_survival", "navigation_scores", "navigation_comparisons"],
+    settings=lambda config: [config.flatland, config.navigation],
+)
+def navigation_survival(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     navigation = config.navigation
     curves, scores, tests = (
         tables["navigation_survival"],

@@ -1,48 +1,94 @@
-"""How often do the tests err? A/A: two groups made from one action space's runs come from the same agent, so alpha of them should differ."""
+"""How often the tests err (A/A tests): two groups made from the runs of one action space belong to
+the same agent, so a fraction alpha of the tests should reject."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from ....seeding import generator
-from ....statistics.calibration import binomial_band, resampled_rejections, split_rejections
-from ....storage.tables import write_table
+from ....storage.columns import FLOAT, INT, TEXT, Column
 from ...config import Config
-from .navigation_scores import read_scores
+from ...declarations import Expected, table
+from ..columns import MEASURE
+from .navigation_scores import STEPS
 
-CALIBRATED = ("final_return", "auc", "steps_to_threshold")
+CALIBRATED = ("final_return", "auc", STEPS)
 TOGETHER = "all"
-METHODS = HALVES, RESAMPLED = "halves", "resampled"
+HALVES, RESAMPLED = "halves", "resampled"
 
 
-def write_calibration(scores: Path, out: Path, config: Config) -> None:
-    """Make two groups of the runs of every action space again and again, and count the Welch tests between them that reject.
+def _settings(config: Config) -> object:
+    navigation = config.navigation
+    return [navigation.action_spaces, navigation.calibration_splits, navigation.alpha]
 
-    The groups are random halves, or drawn with replacement, each as large as the action space's own. The comparisons are shared equally among the
-    action spaces. The row "all" counts them together, but for action spaces whose runs all have the same score: no test can reject there.
+
+def _expected(config: Config) -> Expected:
+    spaces = (*config.navigation.action_spaces, TOGETHER)
+    groups = [(method, space) for method in (HALVES, RESAMPLED) for space in spaces]
+    return Expected(("method", "action_space"), dict.fromkeys(groups, len(CALIBRATED)))
+
+
+@table(
+    title="Calibration of the comparisons",
+    columns=(
+        Column(
+            "method", TEXT, "",
+            "how two groups are made from one: random halves, or resampled to full size", key=True,
+        ),
+        Column(
+            "action_space", TEXT, "",
+            "of the runs; all: together, except action spaces whose runs have equal scores",
+            key=True,
+        ),
+        MEASURE,
+        Column("splits", INT, "1", "pairs of groups that were compared (A/A)"),
+        Column("rejected", INT, "1", "how many differed significantly"),
+        Column("rate", FLOAT, "1", "their fraction"),
+        Column("alpha", FLOAT, "1", "the fraction to be expected"),
+        Column(
+            "band_low", FLOAT, "1",
+            "lower end of the central 95 % of the rate if comparisons were independent",
+        ),
+        Column("band_high", FLOAT, "1", "upper end"),
+    ),
+    inputs=["navigation_scores"],
+    settings=_settings,
+    expected=_expected,
+)  # fmt: skip
+def navigation_calibration(scores: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """Split the runs of every action space into two groups many times, and count Welch tests that
+    reject.
+
+    The groups are random halves, or drawn with replacement, each as large as the action space's
+    own. The splits are shared equally among the action spaces. The row "all" counts them together,
+    except for action spaces whose runs all have the same score, where no test can reject.
     """
-    table, navigation = read_scores(scores, config), config.navigation
+    from ....statistics.calibration import (
+        binomial_band,
+        count_resampled_rejections,
+        count_split_rejections,
+    )
+
+    navigation = config.navigation
     splits = -(-navigation.calibration_splits // len(navigation.action_spaces))
-    rows = []
-    for method, rejections in ((HALVES, split_rejections), (RESAMPLED, resampled_rejections)):
+    methods = {HALVES: count_split_rejections, RESAMPLED: count_resampled_rejections}
+    rows: list[tuple[str, str, str, int, int]] = []
+    for method, count_rejections in methods.items():
         for measure in CALIBRATED:
-            rejected, counted = 0, 0
-            for action_space in navigation.action_spaces:
-                values = table.loc[table["action_space"] == action_space, measure].to_numpy()
-                rng = generator(
-                    config.seed, "navigation", "calibration", method, action_space, measure
-                )
-                k = rejections(values, splits, navigation.alpha, rng)
-                rows.append((method, action_space, measure, splits, k))
+            total_rejected, total_splits = 0, 0
+            for space in navigation.action_spaces:
+                values = scores.loc[scores["action_space"] == space, measure].to_numpy()
+                rng = generator(config.seed, "navigation", "calibration", method, space, measure)
+                rejected = count_rejections(values, splits, navigation.alpha, rng)
+                rows.append((method, space, measure, splits, rejected))
                 if np.ptp(values):
-                    rejected, counted = rejected + k, counted + splits
-            rows.append((method, TOGETHER, measure, counted, rejected))
+                    total_rejected += rejected
+                    total_splits += splits
+            rows.append((method, TOGETHER, measure, total_splits, total_rejected))
     frame = pd.DataFrame(rows, columns=["method", "action_space", "measure", "splits", "rejected"])
     frame["alpha"] = navigation.alpha
     frame["rate"] = frame["rejected"] / frame["splits"].clip(lower=1)
     bands = [binomial_band(navigation.alpha, n) if n else (0.0, 0.0) for n in frame["splits"]]
     frame[["band_low", "band_high"]] = bands
-    write_table("navigation_calibration", frame, out, config)
+    return frame

@@ -1,38 +1,59 @@
-"""Do the action spaces differ at a checkpoint? Welch's test at each of them, for the marks above the learning curves."""
+"""Whether the action spaces differ at a checkpoint: Welch's test at each of them, for the marks
+above the learning curves."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pandas as pd
 
-from ....statistics.groups import welch
-from ....statistics.paired import holm
-from ....storage.tables import read_table, write_table
+from ....storage.columns import FLOAT, INT, Column
 from ...config import Config
+from ...declarations import Expected, table
+from ..columns import PAIR
+from ..runs import evaluation_steps
 from .navigation_comparisons import pairs
-from .navigation_curves import check_runs
+from .navigation_curves import check_evaluations
 
 
-def compare_checkpoints(curves: pd.DataFrame, config: Config) -> pd.DataFrame:
-    """Welch at every checkpoint of every pair, Holm over all checkpoints and pairs of a family; `curves` is a navigation_curves table."""
+def _expected(config: Config) -> Expected:
+    rows = {(step, *pair): 1 for step in evaluation_steps(config) for pair in pairs(config)}
+    return Expected(("step", "family", "a", "b"), rows)
+
+
+@table(
+    title="Comparisons of the action spaces at every checkpoint",
+    columns=(
+        Column("step", INT, "steps", "environment steps of training", key=True),
+        *PAIR,
+        Column("difference", FLOAT, "reward", "mean return of a minus that of b"),
+        Column("ci_low", FLOAT, "reward", "lower end of its 95 % interval, not corrected"),
+        Column("ci_high", FLOAT, "reward", "upper end"),
+        Column("p", FLOAT, "1", "two-sided p-value of Welch's test"),
+        Column(
+            "p_adjusted", FLOAT, "1",
+            "p-value after Holm's correction over all checkpoints and pairs of the family",
+        ),
+    ),
+    inputs=["navigation_curves"],
+    settings=lambda config: config.navigation.action_spaces,
+    expected=_expected,
+)  # fmt: skip
+def navigation_checkpoints(curves: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """Every pair at every checkpoint."""
+    from ....statistics.groups import welch
+    from ....statistics.paired import holm
+
+    check_evaluations(curves, config)
     rows = []
-    for step, evaluation in curves.groupby("step"):
-        groups = {
+    for step, evaluations in curves.groupby("step"):
+        returns = {
             name: runs["episode_return"].to_numpy()
-            for name, runs in evaluation.groupby("action_space")
+            for name, runs in evaluations.groupby("action_space")
         }
         for family, a, b in pairs(config):
-            test = welch(groups[a], groups[b])
+            test = welch(returns[a], returns[b])
             rows.append((step, family, a, b, test.difference, test.ci_low, test.ci_high, test.p))
-    frame = pd.DataFrame(
-        rows, columns=["step", "family", "a", "b", "difference", "ci_low", "ci_high", "p"]
-    )
-    frame["p_adjusted"] = frame.groupby("family")["p"].transform(lambda p: holm(p.to_numpy()))
-    return frame
-
-
-def write_checkpoints(curves: Path, out: Path, config: Config) -> None:
-    frame = read_table("navigation_curves", curves)
-    check_runs(frame, config, str(curves))
-    write_table("navigation_checkpoints", compare_checkpoints(frame, config), out, config)
+    columns = ["step", "family", "a", "b", "difference", "ci_low", "ci_high", "p"]
+    comparisons = pd.DataFrame(rows, columns=columns)
+    by_family = comparisons.groupby("family")["p"]
+    comparisons["p_adjusted"] = by_family.transform(lambda p: holm(p.to_numpy()))
+    return comparisons

@@ -1,52 +1,77 @@
-"""What each training run achieved: the scores that everything else is made from."""
+"""Scores of every training run, on which all comparisons are based."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pandas as pd
 
-from ....storage.tables import read_table, write_table
+from ....storage.columns import BOOL, FLOAT, Column
 from ...config import Config
-from .navigation_curves import check_names, check_runs
+from ...declarations import Expected, table
+from ..columns import RUN
+from .navigation_curves import check_evaluations
 
-MEASURES = ("final_return", "auc", "success_rate", "steps_to_threshold")
-"""Scores that are compared; the first is the primary one. Of steps_to_threshold less is better."""
+STEPS = "steps_to_threshold"
+MEASURES = ("final_return", "auc", "success_rate", STEPS)
+"""Scores that are compared. Less is better for steps_to_threshold, more for the others."""
 
 
-def score_runs(curves: pd.DataFrame, config: Config) -> pd.DataFrame:
-    """A row per run, in the order of the configuration; `curves` is a navigation_curves table."""
+def _settings(config: Config) -> object:
+    navigation = config.navigation
+    return [navigation.action_spaces, navigation.seeds, navigation.steps,
+            navigation.threshold_return, navigation.solved_success_rate]  # fmt: skip
+
+
+@table(
+    title="Scores of every training run",
+    columns=(
+        *RUN,
+        Column("final_return", FLOAT, "reward", "mean return at the last evaluation"),
+        Column(
+            "auc", FLOAT, "reward",
+            "mean return over all evaluations: the area under the learning curve",
+        ),
+        Column(
+            "success_rate", FLOAT, "1",
+            "fraction of episodes that ended in the goal at the last evaluation",
+        ),
+        Column(
+            STEPS, FLOAT, "steps",
+            "steps before the first evaluation with the threshold return; all steps if none has it",
+        ),
+        Column(
+            "reached", BOOL, "",
+            "whether the threshold return was reached; if not, steps_to_threshold is censored",
+        ),
+        Column(
+            "solved", BOOL, "",
+            "whether the last evaluation has the success rate that counts as solved",
+        ),
+    ),
+    inputs=["navigation_curves"],
+    settings=_settings,
+    expected=lambda config: Expected(
+        ("action_space", "seed"), dict.fromkeys(config.navigation.runs, 1)
+    ),
+)  # fmt: skip
+def navigation_scores(curves: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """A row per run, in the order of the configuration."""
+    check_evaluations(curves, config)
     navigation = config.navigation
     rows = []
-    runs = dict(tuple(curves.groupby(["action_space", "seed"])))
+    curve_of_run = dict(tuple(curves.groupby(["action_space", "seed"])))
     for action_space, seed in navigation.runs:
-        curve = runs[action_space, seed].sort_values("step")
+        curve = curve_of_run[action_space, seed].sort_values("step")
         last = curve.iloc[-1]
-        there = curve["step"][curve["episode_return"] >= navigation.threshold_return]
-        rows.append(
-            dict(
-                action_space=action_space,
-                seed=seed,
-                final_return=last["episode_return"],
-                auc=curve["episode_return"].mean(),
-                success_rate=last["success_rate"],
-                steps_to_threshold=float(there.iloc[0] if len(there) else navigation.steps),
-                reached=bool(len(there)),
-                solved=bool(last["success_rate"] >= navigation.solved_success_rate),
-            )
-        )
+        reached = curve["step"][curve["episode_return"] >= navigation.threshold_return]
+        row = {
+            "action_space": action_space,
+            "seed": seed,
+            "final_return": last["episode_return"],
+            "auc": curve["episode_return"].mean(),
+            "success_rate": last["success_rate"],
+            STEPS: float(reached.iloc[0] if len(reached) else navigation.steps),
+            "reached": bool(len(reached)),
+            "solved": bool(last["success_rate"] >= navigation.solved_success_rate),
+        }
+        rows.append(row)
     return pd.DataFrame(rows)
-
-
-def write_scores(curves: Path, out: Path, config: Config) -> None:
-    """Score the runs of a navigation_curves table. Raises TableError when a run is missing."""
-    frame = read_table("navigation_curves", curves)
-    check_runs(frame, config, str(curves))
-    write_table("navigation_scores", score_runs(frame, config), out, config)
-
-
-def read_scores(scores: Path, config: Config) -> pd.DataFrame:
-    """The table navigation_scores. Raises TableError unless every run of the configuration is there, once."""
-    frame = read_table("navigation_scores", scores)
-    check_names(frame[["action_space", "seed"]], config, str(scores))
-    return frame

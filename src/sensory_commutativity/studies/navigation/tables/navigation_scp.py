@@ -1,23 +1,38 @@
-"""The SCP of the agent that learns: what its action spaces are made from (paper, section IV-B).
+"""The SCP of the agent that learns, from which its action spaces are made (paper, section IV-B).
 
-These are rows of flatland_scp, made from that agent's experiments alone, so that no setting of another agent or world trains all runs anew.
+These are rows of flatland_scp, computed from the experiments of that agent alone: if settings of
+another agent or world change, no run is trained again.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pandas as pd
 
 from ....scp.estimate import estimate_scp
-from ....storage.tables import read_table, write_table
 from ...config import Config
+from ...declarations import Expected, table
+from ...flatland.builders import DOFS
+from ...flatland.columns import SCP
 from ...flatland.tables.flatland_scp import KEYS
 
 
-def write_navigation_scp(parts: list[Path], out: Path, config: Config) -> None:
-    """The SCP at threshold 0 from the parts of flatland_experiments of the run that the action spaces are made from."""
-    frame = pd.concat(
-        [read_table("flatland_experiments", part) for part in parts], ignore_index=True
-    )
-    write_table("navigation_scp", estimate_scp(frame, KEYS, [0.0]), out, config)
+def _inputs(config: Config, run: str | None) -> list[str]:
+    navigation, length = config.navigation, config.flatland.sequence_length
+    return [f"flatland_experiments/{navigation.scp_world}.{navigation.agent}.{length}"]
+
+
+def _expected(config: Config) -> Expected:
+    navigation, length = config.navigation, config.flatland.sequence_length
+    rows = {(navigation.scp_world, navigation.agent, length): len(DOFS)}
+    return Expected(("world", "agent", "length"), rows)
+
+
+@table(
+    title="SCP of the agent that learns to navigate",
+    columns=SCP,
+    inputs=_inputs,
+    expected=_expected,
+)
+def navigation_scp(experiments: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """The SCP at threshold 0."""
+    return estimate_scp(experiments, KEYS, [0.0])

@@ -1,27 +1,44 @@
-"""How many runs have not yet learned the task after so many steps? Runs that never do are censored, not failed at some step."""
+"""How many runs have not yet reached the threshold return after a number of steps. Runs that never
+reach it are censored at their end."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pandas as pd
 
-from ....statistics.survival import kaplan_meier
-from ....storage.tables import write_table
+from ....storage.columns import FLOAT, INT, INTERVAL, Column
 from ...config import Config
-from .navigation_scores import read_scores
+from ...declarations import Expected, table
+from ..columns import ACTION_SPACE
+from .navigation_scores import STEPS
 
 
-def write_survival(scores: Path, out: Path, config: Config) -> None:
-    """Kaplan-Meier curves of the steps to the threshold return; runs that never reach it are censored at their end."""
-    table = read_scores(scores, config)
+@table(
+    title="Survival curves of the steps to the threshold return",
+    columns=(
+        ACTION_SPACE,
+        Column("step", FLOAT, "steps", "environment steps of training", key=True),
+        Column("at_risk", INT, "1", "runs that had not reached the threshold before"),
+        Column("events", INT, "1", "runs that reached it at this step"),
+        Column(
+            "survival", FLOAT, "1",
+            "Kaplan-Meier estimate of the fraction of runs that have not reached it",
+        ),
+        *INTERVAL,
+    ),
+    inputs=["navigation_scores"],
+    settings=lambda config: config.navigation.action_spaces,
+    expected=lambda config: Expected(
+        ("action_space",), {(name,): None for name in config.navigation.action_spaces}
+    ),
+)  # fmt: skip
+def navigation_survival(scores: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """The Kaplan-Meier curve of every action space."""
+    from ....statistics.survival import kaplan_meier
+
     frames = []
     for action_space in config.navigation.action_spaces:
-        runs = table[table["action_space"] == action_space]
-        curve = kaplan_meier(runs["steps_to_threshold"].to_numpy(), runs["reached"].to_numpy())
-        frames.append(
-            pd.DataFrame(curve._asdict())
-            .rename(columns={"time": "step"})
-            .assign(action_space=action_space)
-        )
-    write_table("navigation_survival", pd.concat(frames, ignore_index=True), out, config)
+        runs = scores[scores["action_space"] == action_space]
+        curve = kaplan_meier(runs[STEPS].to_numpy(), runs["reached"].to_numpy())
+        frame = pd.DataFrame(curve._asdict()).rename(columns={"time": "step"})
+        frames.append(frame.assign(action_space=action_space))
+    return pd.concat(frames, ignore_index=True)

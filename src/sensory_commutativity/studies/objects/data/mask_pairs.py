@@ -1,27 +1,39 @@
-"""Pairs of pictures to learn from, a file per job (paper, section IV-A, "Dataset", and appendix D)."""
+"""Pairs of pictures to learn from (paper, section IV-A, "Dataset", and appendix D).
+
+The unit is a cluttered scene: one set of objects, in several layouts, with a random stream of its
+own.
+"""
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Any
 
-from ....change_detection.outcome import OUTCOMES
-from ....change_detection.pair_files import write_pairs
-from ....change_detection.simulated.pairs import PairFactory
-from ....progress import progress
-from ....storage.provenance import provenance
 from ...config import Config
-from ..builders import Split, household_of_pairs, pairs_of_job
+from ...declarations import Shard, Shards, arrays
+from ..builders import data_settings, pair_scenes, pairs_in_scene, scene_of_pairs
 
 
-def write_mask_pairs(config: Config, split: Split, job: int, out: Path) -> None:
-    """A job's pairs, in turn of each outcome."""
-    factory, n = (
-        PairFactory(household_of_pairs(config, split, job)),
-        pairs_of_job(config, split, job),
-    )
-    pairs = [
-        factory.pair(outcome)
-        for _ in progress(range(n), out.stem, "triple")
-        for outcome in OUTCOMES
-    ]
-    write_pairs(out, pairs, provenance(config))
+@arrays(
+    title="Pairs of pictures for training and validation",
+    shards=Shards(
+        runs=pair_scenes,
+        settings=lambda config, split: [
+            data_settings(config), pairs_in_scene(config, split, pair_scenes(config)[split] - 1)
+        ],
+        per_shard=lambda config: config.masks.data.scenes_per_job,
+    ),
+)  # fmt: skip
+def mask_pairs(config: Config, shard: Shard) -> tuple[dict[str, Any], dict[str, str]]:
+    """The pairs of some scenes, in turn of each outcome."""
+    from ....change_detection.outcome import OUTCOMES
+    from ....change_detection.pair_files import pairs_to_arrays
+    from ....change_detection.simulated.pairs import PairFactory
+    from ....progress import progress
+
+    pairs, scenes = [], []
+    for scene in range(shard.start, shard.stop):
+        factory = PairFactory(scene_of_pairs(config, shard.run, scene))
+        n = pairs_in_scene(config, shard.run, scene)
+        for _ in progress(range(n), f"{shard.name}, scene {scene}", "triple"):
+            pairs += [factory.make_pair(outcome) for outcome in OUTCOMES]
+    return pairs_to_arrays(pairs)

@@ -1,29 +1,69 @@
-"""SC-experiments to test mask predictors on, a file per job (paper, section IV-A, "Inference" and "Evaluation")."""
+"""SC-experiments on objects, to test the mask predictors on (paper, section IV-A, "Inference" and
+"Evaluation").
+
+The unit is a cluttered scene: one set of objects, in several layouts, with a random stream of its
+own.
+"""
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Any
 
-from ....change_detection.simulated.object_experiments import ObjectExperiments, tuples_of
-from ....progress import progress
-from ....storage.arrays import write_arrays
-from ....storage.provenance import provenance
+import numpy as np
+import pandas as pd
+
 from ...config import Config
-from ..builders import TupleRun, experiments_of_job, household_of_tests
-from ..tables.mask_dof import read_dof
+from ...declarations import Shard, Shards, arrays
+from ..builders import (
+    experiments_in_scene,
+    robot_of_masks,
+    scene_of_tests,
+    test_scenes,
+    test_settings,
+    tuple_runs,
+)
 
-CONTENT = "tuples"
 
-
-def write_mask_tuples(config: Config, run: TupleRun, job: int, mask_dof: Path, out: Path) -> None:
-    """A job's experiments of a run: arrays as :func:`.masks.experiments.tuples_of` gives them."""
-    tests = config.masks.tests
-    household = household_of_tests(config, run, job)
-    experiments = ObjectExperiments(
-        household, read_dof(mask_dof, config), tests.sequence_length, run.alternatives
+@arrays(
+    title="SC-experiments on objects",
+    inputs=["mask_dof"],
+    shards=Shards(
+        runs=lambda config: dict.fromkeys(tuple_runs(config), test_scenes(config)),
+        settings=lambda config, run: [
+            test_settings(config, run), experiments_in_scene(config, test_scenes(config) - 1)
+        ],
+        per_shard=lambda config: config.masks.tests.scenes_per_job,
+    ),
+)  # fmt: skip
+def mask_tuples(
+    mask_dof: pd.DataFrame, config: Config, shard: Shard
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """The experiments of some scenes: arrays as :func:`.object_experiments.assemble_tuples` returns
+    them, with the number of the scene and of the experiment, int32 (n,)."""
+    from ....change_detection.simulated.object_experiments import (
+        ObjectExperimentRunner,
+        assemble_tuples,
     )
-    played = [
-        experiments.play()
-        for _ in progress(range(experiments_of_job(config, job)), out.stem, "experiment")
-    ]
-    write_arrays(out, CONTENT, tuples_of(played, household), provenance(config))
+    from ....progress import progress
+
+    run, tests = tuple_runs(config)[shard.run], config.masks.tests
+    names = [dof.name for dof in robot_of_masks(config).dofs]
+    dof = names.index(mask_dof["dof"].iloc[0])
+    parts: list[dict[str, np.ndarray]] = []
+    for scene in range(shard.start, shard.stop):
+        sampler = scene_of_tests(config, run, scene)
+        experiments = ObjectExperimentRunner(
+            sampler, dof, tests.sequence_length, run.alternatives, config.apartment.rest_steps
+        )
+        n = experiments_in_scene(config, scene)
+        description = f"{shard.name}, scene {scene}"
+        played = [experiments.play() for _ in progress(range(n), description, "experiment")]
+        first = scene * tests.experiments_per_scene
+        parts.append(
+            assemble_tuples(played, sampler)
+            | dict(
+                scene=np.full(n, scene, np.int32),
+                experiment=np.arange(first, first + n, dtype=np.int32),
+            )
+        )
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}, {}

@@ -10,9 +10,10 @@ from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 
-from ....worlds.apartment.rendering.drawing import plan
-from ...apartment.builders import apartment_world
+from ....worlds.apartment.rendering.drawing import render_plan
+from ...apartment.builders import apartment_world, described_files
 from ...config import Config
+from ...declarations import figure
 from ...plotting import dof_label
 from ..config import MapConfig
 
@@ -41,12 +42,17 @@ def _map(
     axes.figure.colorbar(shown, ax=axes, label=label, shrink=0.8, extend=extend)
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="The local SCP over the floor of an apartment, beside its plan and what truly is in reach",
+    inputs=["local_scp", "local_scp_summary"],
+    settings=lambda config: [config.masks, config.apartment, described_files(config)],
+)
+def local_scp(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     table, summary = tables["local_scp"], tables["local_scp_summary"]
     reach = config.apartment.reach  # beyond it space counts as open
     settings, dof = config.masks.map, dof_label(table["dof"].iloc[0]) if len(table) else "arm"
     world = apartment_world(config, config.masks.robot, settings.scene, "anywhere")
-    picture, extent = plan(world.simulation)
+    picture, extent = render_plan(world.simulation)
     world.simulation.close()
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(17, 5), width_ratios=[0.75, 1, 1])
     for axes, title in (

@@ -8,10 +8,16 @@ from matplotlib.figure import Figure
 
 from ....change_detection.outcome import OUTCOMES
 from ...config import Config
+from ...declarations import figure
 from ...plotting import MODEL_LABELS, test_set_label
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="Which outcomes are taken for which: a confusion matrix per model and test set",
+    inputs=["mask_scores"],
+    settings=lambda config: config.masks,
+)
+def mask_confusion(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     scores = tables["mask_scores"]
     models, test_sets = list(scores["model"].unique()), list(scores["test_set"].unique())
     figure, grid = plt.subplots(

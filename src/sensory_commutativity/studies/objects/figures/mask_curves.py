@@ -7,6 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import MODEL_LABELS
 from .mask_iou import MODEL_STYLES
 
@@ -17,7 +18,12 @@ _MEASURES = {
 }
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="How training went: the loss on what is learned from, accuracy and overlap on pairs that are held out",
+    inputs=["mask_curves"],
+    settings=lambda config: config.masks,
+)
+def mask_curves(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     curves = tables["mask_curves"]
     figure, grid = plt.subplots(1, 3, figsize=(11, 3.5))
     for axes, (measure, name) in zip(grid, _MEASURES.items(), strict=True):

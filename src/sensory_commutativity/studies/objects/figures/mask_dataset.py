@@ -7,12 +7,18 @@ from matplotlib.figure import Figure
 
 from ....change_detection.outcome import OUTCOMES
 from ...config import Config
+from ...declarations import figure
 from ..pictures import show, show_mask
 
 _ROWS = ("first picture", "its mask", "second picture", "its mask")
 
 
-def draw(tables: dict, config: Config) -> Figure:
+@figure(
+    title="Pairs that the models learn from, of each outcome",
+    inputs=["mask_examples"],
+    settings=lambda config: config.masks,
+)
+def mask_dataset(tables: dict, config: Config) -> Figure:
     arrays, _ = tables["mask_examples"]
     outcome, n = arrays["dataset_outcome"], len(arrays["dataset_outcome"])
     figure, grid = plt.subplots(4, n, figsize=(1.45 * n, 6.4), squeeze=False)

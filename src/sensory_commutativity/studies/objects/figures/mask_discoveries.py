@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import BLUE, GREY, VERMILION, p_text
 
 _NAMES = {
@@ -17,7 +18,12 @@ _NAMES = {
 }
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="SC-experiments and their alternatives on the same starts: what moved is found, and what is immovable shows, or not",
+    inputs=["mask_discoveries"],
+    settings=lambda config: config.masks,
+)
+def mask_discoveries(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     table = tables["mask_discoveries"]
     table = table[table["kind"] == "random"].reset_index(drop=True)
     names, x = [_NAMES[name] for name in table["comparison"]], np.arange(len(table))

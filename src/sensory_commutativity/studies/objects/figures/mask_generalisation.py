@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from ....change_detection.outcome import OUTCOMES
 from ...config import Config
+from ...declarations import figure
 from ...plotting import test_set_label
 from ..pictures import legend, show_column
 
@@ -43,7 +44,12 @@ def examples(read: tuple[dict[str, np.ndarray], dict[str, str]], wanted: list[st
     return figure
 
 
-def draw(tables: dict, config: Config) -> Figure:
+@figure(
+    title="SC-experiments with objects, apartments and a field of view that were not trained with",
+    inputs=["mask_examples"],
+    settings=lambda config: config.masks,
+)
+def mask_generalisation(tables: dict, config: Config) -> Figure:
     names = list(dict.fromkeys(json.loads(tables["mask_examples"][1]["test_sets"])))
     figure = examples(tables["mask_examples"], [name for name in names if name != "as-trained"])
     figure.suptitle(

@@ -5,10 +5,16 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from .mask_generalisation import examples
 
 
-def draw(tables: dict, config: Config) -> Figure:
+@figure(
+    title="SC-experiments in the training apartment, and what RAFT makes of them",
+    inputs=["mask_examples"],
+    settings=lambda config: config.masks,
+)
+def mask_inference(tables: dict, config: Config) -> Figure:
     figure = examples(tables["mask_examples"], ["as-trained"])
     tests = config.masks.tests
     figure.suptitle(

@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import BLACK, BLUE, GREY, MODEL_LABELS, VERMILION, test_set_label
 from ..claims import ACCURACY, IOU, IOU_UNSEEN
 from ..tables.mask_summary import ious
@@ -20,7 +21,12 @@ MODEL_STYLES = {
 PAPER = {"as-trained": (IOU, ACCURACY), "all-other": (IOU_UNSEEN, None)}
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="How well masks fit: the distribution of the intersection over union, and its mean with the accuracy beside it",
+    inputs=["mask_scores", "mask_summary"],
+    settings=lambda config: config.masks,
+)
+def mask_iou(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     scores, summary = tables["mask_scores"], tables["mask_summary"]
     test_sets = list(summary["test_set"].unique())
     figure, grid = plt.subplots(

@@ -1,89 +1,97 @@
-"""Does the local SCP show where immovable things are?
+"""Whether the local SCP shows where immovable objects are.
 
-The paper: low near walls and furniture and in the cramped kitchen, high in open space and over low things.
+According to the paper it is low near walls and furniture and in the cramped kitchen, and high in
+open space and over low furniture.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.stats import mannwhitneyu
 
 from ....seeding import generator
-from ....statistics.aggregates import percentile_interval
-from ....storage.tables import read_table, write_table
+from ....storage.columns import FLOAT, INT, INTERVAL, TEXT, Column
 from ...config import Config
+from ...declarations import table
 
 RESAMPLES = 2_000
-DECIDED = {"predictor": "scp", "simulator": "scp_true"}
+DECIDED_BY = {"predictor": "scp", "simulator": "scp_true"}
+"""Who decides the outcomes -> column of local_scp."""
 
 
-def area_under_curve(scp: np.ndarray, within: np.ndarray) -> float:
-    """Area under the ROC curve of 1 - scp, float (n,), for `within`, bool (n,); NaN unless there are both kinds."""
-    if within.all() or not within.any():
-        return float("nan")
-    return float(
-        mannwhitneyu(-scp[within], -scp[~within]).statistic / (within.sum() * (~within).sum())
-    )
-
-
-def regions(table: pd.DataFrame, config: Config) -> dict[str, np.ndarray]:
-    """Name -> which rows of a local_scp table belong to it, bool (n,)."""
+def regions(poses: pd.DataFrame, config: Config) -> dict[str, np.ndarray]:
+    """Name of a region -> which rows of a local_scp table belong to it, bool (n,)."""
     return {
-        "open": (table["clearance"] > config.apartment.reach).to_numpy(),
-        config.masks.map.cramped_room: (table["room"] == config.masks.map.cramped_room).to_numpy(),
-        "over low things": table["over_low"].to_numpy(),
+        "open": (poses["clearance"] > config.apartment.reach).to_numpy(),
+        config.masks.map.cramped_room: (poses["room"] == config.masks.map.cramped_room).to_numpy(),
+        "over low things": poses["over_low"].to_numpy(),
     }
 
 
-def summarised(table: pd.DataFrame, config: Config) -> pd.DataFrame:
-    """Rows of the table local_scp_summary. Intervals: bootstrap over places, all headings of a place together."""
+@table(
+    title="Local SCP of the regions of the map",
+    columns=(
+        Column(
+            "measure", TEXT, "",
+            "auc: area under the ROC curve of 1 - scp for within_reach; median: median local SCP",
+            key=True,
+        ),
+        Column(
+            "where", TEXT, "",
+            "all poses; open: nothing within apartment.reach of the swept arm; the cramped room; "
+            "over low furniture", key=True,
+        ),
+        Column(
+            "decided_by", TEXT, "", "predictor: the masks; simulator: the true outcomes", key=True
+        ),
+        Column("n", INT, "1", "poses"),
+        Column("estimate", FLOAT, "1", "of the measure; missing if undefined", nullable=True),
+        *INTERVAL,
+    ),
+    inputs=["local_scp"],
+    settings=lambda config: [config.apartment.reach, config.masks.map.cramped_room],
+)  # fmt: skip
+def local_scp_summary(poses: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """Intervals: bootstrap over positions, all headings of a position together."""
+    from ....statistics.clusters import area_under_roc_curve
+
+    def auc(scp: np.ndarray, within: np.ndarray) -> float:
+        return area_under_roc_curve(-scp, within)
+
+    def median(scp: np.ndarray, within: np.ndarray) -> float:
+        return float(np.median(scp))
+
     rows = []
-    for decided_by, column in DECIDED.items():
+    for decided_by, column in DECIDED_BY.items():
         rng = generator(config.seed, "masks", "map", "summary", decided_by)
-        found = table.assign(scp=table[column])
-        rows.append(("auc", "all", decided_by, *_with_interval(found, area_under_curve, rng)))
-        for name, chosen in regions(table, config).items():
-            rows.append(
-                (
-                    "median",
-                    name,
-                    decided_by,
-                    *_with_interval(found[chosen], lambda scp, _: float(np.median(scp)), rng),
-                )
-            )
-    return pd.DataFrame(
-        rows, columns=["measure", "where", "decided_by", "n", "estimate", "ci_low", "ci_high"]
-    )
+        decided = poses.assign(scp=poses[column])
+        rows.append(("auc", "all", decided_by, *_estimate(decided, auc, rng)))
+        for name, chosen in regions(poses, config).items():
+            rows.append(("median", name, decided_by, *_estimate(decided[chosen], median, rng)))
+    return pd.DataFrame(rows, columns=local_scp_summary.column_names)
 
 
-def _with_interval(
-    table: pd.DataFrame,
+def _estimate(
+    poses: pd.DataFrame,
     measure: Callable[[np.ndarray, np.ndarray], float],
     rng: np.random.Generator,
 ) -> tuple[int, float, float, float]:
-    """Number of rows, and a measure of their scp and within_reach with its interval."""
-    if not len(table):
+    """Number of rows, a measure of their scp and within_reach, and its interval."""
+    from ....statistics.aggregates import percentile_interval
+
+    if not len(poses):
         return 0, float("nan"), float("nan"), float("nan")
-    scp, within = table["scp"].to_numpy(), table["within_reach"].to_numpy(bool)
-    groups = list(table.reset_index(drop=True).groupby(["x", "y"]).indices.values())
+    scp, within = poses["scp"].to_numpy(), poses["within_reach"].to_numpy(bool)
+    groups = list(poses.reset_index(drop=True).groupby(["x", "y"]).indices.values())
     resampled = []
     for _ in range(RESAMPLES):
-        chosen = np.concatenate([groups[i] for i in rng.integers(len(groups), size=len(groups))])
-        resampled.append(measure(scp[chosen], within[chosen]))
+        drawn = rng.integers(len(groups), size=len(groups))
+        rows = np.concatenate([groups[i] for i in drawn])
+        resampled.append(measure(scp[rows], within[rows]))
     defined = np.array(resampled)[np.isfinite(resampled)]
-    return (
-        len(table),
-        measure(scp, within),
-        *(percentile_interval(defined, 0.95) if len(defined) else (float("nan"), float("nan"))),
+    low, high = (
+        percentile_interval(defined, 0.95) if len(defined) else (float("nan"), float("nan"))
     )
-
-
-def write_summary(local_scp: Path, out: Path, config: Config) -> None:
-    """By the mask predictor, and by what the simulator knows."""
-    write_table(
-        "local_scp_summary", summarised(read_table("local_scp", local_scp), config), out, config
-    )
+    return len(poses), measure(scp, within), low, high

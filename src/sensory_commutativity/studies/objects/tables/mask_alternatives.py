@@ -1,65 +1,87 @@
-"""What the mask predictor says of every SC-experiment in the training apartment and of its alternatives (paper, section IV-A).
+"""What the mask predictor says of every SC-experiment in the training apartment, and of the two
+alternatives to it (paper, section IV-A).
 
-All experiments as they come, through the camera that was trained with; none is left out to make outcomes equally frequent.
+All experiments count, seen through the camera of the training; none is left out to make outcomes
+equally frequent.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
-from ....change_detection.decision import MASK, outcomes
-from ....change_detection.outcome import OUTCOMES
-from ....change_detection.predictor import MaskPredictor, load_predictor
-from ....change_detection.simulated.object_experiments import COMPARISONS, KINDS
-from ....storage.arrays import read_arrays, unpack
-from ....storage.batches import write_in_batches
+from ....storage.columns import BOOL, FLOAT, INT, TEXT, Column
 from ...config import Config
-from ..data.mask_tuples import CONTENT
+from ...declarations import Batched, table
+from ..columns import COMPARISON, HOUSEHOLD, KIND, OUTCOME_TRUE
 from .mask_comparisons import BETTER
 
-TABLE = "mask_alternatives"
-BATCH = 1  # household; with RAFT some 20 seconds
+if TYPE_CHECKING:
+    from ....change_detection.predictor import MaskPredictor
 
 
-def write_alternatives(config: Config, predictor: Path, tuples: Sequence[Path], out: Path) -> None:
-    """A row per experiment and comparison, resuming from finished batches; `tuples`: the files of the run as-trained in order."""
-    loaded, per_job = load_predictor(predictor, BETTER), config.masks.tests.experiments_per_job
+@table(
+    title="Predictions for SC-experiments and their alternatives",
+    columns=(
+        HOUSEHOLD,
+        Column("experiment", INT, "1", "number of the SC-experiment in its run", key=True),
+        KIND,
+        COMPARISON,
+        OUTCOME_TRUE,
+        Column("outcome_predicted", TEXT, "", "the same, as RAFT predicts"),
+        Column(
+            "overlap", FLOAT, "1",
+            "intersection over union of both masks together; 0 where both are empty",
+        ),
+        Column("touched", BOOL, "", "whether an immovable object was touched in either order"),
+        Column(
+            "touched_first", BOOL, "",
+            "whether in the first; the way back of a return does not count",
+        ),
+    ),
+    inputs=[f"mask_predictor/{BETTER}", "mask_tuples/as-trained"],
+)  # fmt: skip
+def mask_alternatives(predictor: Path, tuples: list[Path], config: Config) -> Batched:
+    """A row per experiment and comparison."""
+    from ....change_detection.predictor import load_predictor
+
+    loaded = load_predictor(predictor, BETTER)
 
     def compute(start: int, stop: int) -> pd.DataFrame:
-        return pd.concat(
-            [_looked_at(loaded, tuples[i], i, per_job) for i in range(start, stop)],
-            ignore_index=True,
-        )
+        frames = [predict_comparisons(loaded, path) for path in tuples[start:stop]]
+        return pd.concat(frames, ignore_index=True)
 
-    write_in_batches(
-        TABLE, compute, 0, len(tuples), out, config, str(per_job), BATCH, [predictor, *tuples]
-    )
+    return Batched(compute, size=1, units=len(tuples))
 
 
-def _looked_at(predictor: MaskPredictor, path: Path, household: int, per_job: int) -> pd.DataFrame:
-    """All rows of a file."""
-    arrays, _ = read_arrays(path, CONTENT)
+def predict_comparisons(predictor: MaskPredictor, path: Path) -> pd.DataFrame:
+    """All rows of a file of tuples."""
+    from ....change_detection.decision import MASK_THRESHOLD, classify_outcomes
+    from ....change_detection.outcome import OUTCOMES
+    from ....change_detection.simulated.object_experiments import COMPARISONS, KINDS
+    from ....storage.arrays import read_arrays, unpack_masks
+
+    arrays, _ = read_arrays(path, "mask_tuples")
     pictures, truth = arrays["pictures"][:, 0], arrays["outcome"][:, 0]
-    masks = unpack(arrays["masks"][:, 0], pictures.shape[-2])
+    masks = unpack_masks(arrays["masks"][:, 0], pictures.shape[-2])
     frames = []
     for k, comparison in enumerate(COMPARISONS):
-        found = predictor.probabilities(pictures[:, k])
-        predicted = found > MASK
-        overlap = (predicted & masks[:, k]).sum((1, 2, 3)) / np.maximum(
-            1, (predicted | masks[:, k]).sum((1, 2, 3))
-        )
+        probabilities = predictor.predict_proba(pictures[:, k])
+        predicted = probabilities > MASK_THRESHOLD
+        intersection = (predicted & masks[:, k]).sum((1, 2, 3))
+        union = (predicted | masks[:, k]).sum((1, 2, 3))
+        predicted_outcomes = classify_outcomes(probabilities, predictor.thresholds)
         columns = dict(
-            household=household,
-            experiment=household * per_job + np.arange(len(truth)),
+            household=arrays["scene"],
+            experiment=arrays["experiment"],
             kind=[KINDS[q] for q in arrays["kind"]],
             comparison=comparison,
             outcome_true=[OUTCOMES[o] for o in truth[:, k]],
-            outcome_predicted=[OUTCOMES[o] for o in outcomes(found, predictor.rule)],
-            overlap=overlap,
+            outcome_predicted=[OUTCOMES[o] for o in predicted_outcomes],
+            overlap=intersection / np.maximum(1, union),
             touched=arrays["touched_fixed"],
             touched_first=arrays["touched_fixed_first"],
         )

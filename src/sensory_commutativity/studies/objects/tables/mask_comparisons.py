@@ -1,106 +1,88 @@
-"""RAFT against the others, on the same tuples: paired t-tests over households, Holm-corrected; tests that take tuples for independent beside them.
+"""RAFT against the other models on the same tuples: paired t-tests over cluttered scenes,
+Holm-corrected, beside tests that take tuples as independent.
 
-They are about these trained models: one training of each says nothing of how much another would give.
+The comparisons are about these trained models: one training of each says nothing about how much
+another training would differ.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
-from scipy import stats
 
-from ....statistics.paired import holm, mcnemar
-from ....storage.tables import read_table, write_table
-from ...apartment.tables.apartment_hierarchy import paired_means
+from ....storage.columns import FLOAT, INT, INTERVAL, P_VALUES, TEXT, Column
 from ...config import Config
-from .mask_summary import ious
+from ...declarations import table
+from ..columns import TEST_SET
+from .mask_summary import mean_iou_per_tuple
 
 BETTER = "raft"
 """The model that the paper found better (section IV-A)."""
 
 
-def compared(scores: pd.DataFrame) -> pd.DataFrame:
-    """All comparisons of BETTER with another model on a test set; `scores` is a mask_scores table."""
+def compare_models(scores: pd.DataFrame) -> pd.DataFrame:
+    """Compare BETTER with every other model on every test set; `scores` is a mask_scores table."""
+    from scipy import stats
+
+    from ....statistics.clusters import paired_cluster_difference
+    from ....statistics.paired import holm, mcnemar
+
     rows = []
-    for test_set, found in scores.groupby("test_set", sort=False):
+    for test_set, group in scores.groupby("test_set", sort=False):
         tables = {
-            model: rows_of.set_index("experiment").sort_index()
-            for model, rows_of in found.groupby("model", sort=False)
+            model: table.set_index("experiment").sort_index()
+            for model, table in group.groupby("model", sort=False)
         }
-        ours = tables.pop(BETTER)
-        for other, theirs in tables.items():
-            if not ours.index.equals(theirs.index):
+        reference = tables.pop(BETTER)
+        truth = reference["outcome_true"]
+        moved = (truth == "moved").to_numpy()
+        # Each outcome has the same weight, as in mask_summary.
+        weight = len(truth) / truth.nunique() / truth.map(truth.value_counts())
+        for other, table_of_other in tables.items():
+            if not reference.index.equals(table_of_other.index):
                 raise ValueError(
                     f"{test_set}: {BETTER} and {other} were not scored on the same tuples"
                 )
-            right = [
+            correct = [
                 (table["outcome_true"] == table["outcome_predicted"]).to_numpy()
-                for table in (ours, theirs)
+                for table in (reference, table_of_other)
             ]
-            truth = ours["outcome_true"]
-            weight = (
-                len(truth) / truth.nunique() / truth.map(truth.value_counts())
-            )  # each outcome counts as much, as in mask_summary
-            difference = (right[0].astype(float) - right[1]) * weight.to_numpy()
-            rows.append(
-                (
-                    BETTER,
-                    other,
-                    test_set,
-                    "accuracy",
-                    *by_household(difference, ours["household"]),
-                    mcnemar(*right).p,
-                )
+            difference = (correct[0].astype(float) - correct[1]) * weight.to_numpy()
+            clustered = paired_cluster_difference(difference, reference["household"])
+            rows.append((BETTER, other, test_set, "accuracy", *clustered, mcnemar(*correct).p))
+            difference = np.nan_to_num(mean_iou_per_tuple(reference[moved])) - np.nan_to_num(
+                mean_iou_per_tuple(table_of_other[moved])
             )
-            moved = (ours["outcome_true"] == "moved").to_numpy()
-            difference = np.nan_to_num(ious(ours[moved])) - np.nan_to_num(ious(theirs[moved]))
             if len(difference):
                 wilcoxon = float(stats.wilcoxon(difference).pvalue) if difference.any() else 1.0
-                rows.append(
-                    (
-                        BETTER,
-                        other,
-                        test_set,
-                        "iou",
-                        *by_household(difference, ours["household"][moved]),
-                        wilcoxon,
-                    )
-                )
-    columns = [
-        "a",
-        "b",
-        "test_set",
-        "measure",
-        "n",
-        "difference",
-        "ci_low",
-        "ci_high",
-        "households",
-        "p",
-        "p_tuples",
-    ]
-    table = pd.DataFrame(rows, columns=columns)
-    return table.assign(p_adjusted=holm(table["p"].to_numpy()))
+                clustered = paired_cluster_difference(difference, reference["household"][moved])
+                rows.append((BETTER, other, test_set, "iou", *clustered, wilcoxon))
+    columns = ["a", "b", "test_set", "measure", "n", "difference", "ci_low", "ci_high",
+               "households", "p", "p_tuples"]  # fmt: skip
+    comparisons = pd.DataFrame(rows, columns=columns)
+    return comparisons.assign(p_adjusted=holm(comparisons["p"].to_numpy()))
 
 
-def by_household(
-    difference: np.ndarray, household: pd.Series
-) -> tuple[int, float, float, float, int, float]:
-    """Number, mean and interval of paired differences (n,), number of households, and the p-value of a t-test of the households' means.
-
-    Tuples of a household share objects and places, so the household is the unit; each counts by its number of tuples.
-    """
-    groups = pd.Series(difference).groupby(household.to_numpy())
-    n, mean = len(difference), float(difference.mean())
-    weighted = (groups.sum() * groups.ngroups / n).to_numpy()  # their mean is that of all tuples
-    if groups.ngroups < 2:
-        return n, mean, np.nan, np.nan, groups.ngroups, 1.0
-    low, high, p = paired_means(weighted)
-    return n, mean, low, high, groups.ngroups, p
-
-
-def write_comparisons(mask_scores: Path, out: Path, config: Config) -> None:
+@table(
+    title="RAFT against the other models",
+    columns=(
+        Column("a", TEXT, "", "one model", key=True),
+        Column("b", TEXT, "", "another, on the same tuples", key=True),
+        TEST_SET,
+        Column("measure", TEXT, "", "accuracy or iou", key=True),
+        Column("n", INT, "1", "tuples"),
+        Column("difference", FLOAT, "1", "a minus b", nullable=True),
+        *INTERVAL,
+        Column("households", INT, "1", "cluttered scenes, which are independent"),
+        *P_VALUES,
+        Column(
+            "p_tuples", FLOAT, "1",
+            "p-value as if tuples were independent: exact McNemar test of the outcomes, Wilcoxon "
+            "test of the overlaps", nullable=True,
+        ),
+    ),
+    inputs=["mask_scores"],
+)  # fmt: skip
+def mask_comparisons(scores: pd.DataFrame, config: Config) -> pd.DataFrame:
     """A row per other model, test set and measure."""
-    write_table("mask_comparisons", compared(read_table("mask_scores", mask_scores)), out, config)
+    return compare_models(scores)

@@ -1,117 +1,162 @@
-"""What SC-experiments find that their alternatives do not, on the same starts (paper, section IV-A, "Alternatives are not adapted").
+"""What SC-experiments discover that their alternatives do not, from the same starts (paper, section
+IV-A, "Alternatives are not adapted").
 
-Experiments of a household share objects and places, so it is the unit of intervals and tests.
+Experiments of a cluttered scene share objects and layouts, so the scene is the unit of intervals
+and tests.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
-from ....change_detection.simulated.object_experiments import COMPARISONS, KINDS
 from ....seeding import generator
-from ....statistics.aggregates import percentile_interval
-from ....statistics.paired import mcnemar
-from ....storage.tables import read_table, write_table
+from ....storage.columns import FLOAT, INT, INTERVAL, Column
 from ...config import Config
-from .mask_comparisons import by_household
-from .mask_summary import resampled_households, resampled_mean
+from ...declarations import table
+from ..columns import COMPARISON, KIND
+from .mask_summary import RESAMPLES
 
-FOUND = 0.5
-"""Intersection over union of both masks together from which an object counts as found; chosen: the usual one in object detection."""
+COMPARISONS = ("sc-experiment", "first-last", "return")
+KINDS = ("random", "left-right")
+DISCOVERED = 0.5
+"""Intersection over union of both masks together from which an object counts as discovered.
+Chosen: the usual threshold in object detection."""
 
 
-def discoveries(alternatives: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
-    """Rows of the table mask_discoveries, one per comparison, of one kind of sequence; `alternatives`: that kind's rows of mask_alternatives."""
+def summarize_comparisons(alternatives: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
+    """Rows of mask_discoveries, one per comparison, for one kind of sequence.
+
+    Parameters
+    ----------
+    alternatives : DataFrame
+        The rows of mask_alternatives of that kind.
+    rng : numpy.random.Generator
+    """
+    from ....statistics.aggregates import percentile_interval
+    from ....statistics.clusters import (
+        cluster_means,
+        paired_cluster_difference,
+        resample_clusters,
+    )
+    from ....statistics.paired import mcnemar
+
     tables = {
         name: rows.set_index("experiment").sort_index()
         for name, rows in alternatives.groupby("comparison")
     }
-    found = {name: _found(table) for name, table in tables.items()}
+    discovered = {name: is_discovery(table) for name, table in tables.items()}
     different = {
         name: (table["outcome_predicted"] == "different").to_numpy()
         for name, table in tables.items()
     }
-    ours = COMPARISONS[0]
-    touched, untouched = (
-        tables[ours]["touched_first"].to_numpy(),
-        ~tables[ours]["touched"].to_numpy(),
-    )
-    household = tables[ours]["household"]
-    households, counts = resampled_households(household, rng)
+    reference = COMPARISONS[0]
+    touched = tables[reference]["touched_first"].to_numpy()
+    untouched = ~tables[reference]["touched"].to_numpy()
+    scene = tables[reference]["household"]
+    clusters, counts = resample_clusters(scene, RESAMPLES, rng)
 
     def rate(values: np.ndarray) -> tuple[float, float, float]:
-        """Mean of `values` (n,), NaN left out, with its interval: bootstrap over households."""
+        """Mean of `values` (n,), ignoring NaN, with its interval: bootstrap over scenes."""
         if not np.isfinite(values).any():
             return np.nan, np.nan, np.nan
         with np.errstate(invalid="ignore", divide="ignore"):
-            means = resampled_mean(values, households, counts)
+            means = cluster_means(values, clusters, counts)
         return float(np.nanmean(values)), *percentile_interval(means[np.isfinite(means)], 0.95)
 
     rows = []
     for comparison in COMPARISONS:
-        table = tables[comparison]
-        said, truth = table["outcome_predicted"], table["outcome_true"]
-        per_hundred, low, high = rate(100.0 * found[comparison])
-        hits, hits_low, hits_high = rate(np.where(touched, different[comparison], np.nan))
-        false_hits, false_low, false_high = rate(np.where(untouched, different[comparison], np.nan))
-        _, difference, *_, p = by_household(
-            100.0 * found[comparison] - 100.0 * found[ours], household
+        predicted = tables[comparison]["outcome_predicted"]
+        truth = tables[comparison]["outcome_true"]
+        discovery_rate, low, high = rate(100.0 * discovered[comparison])
+        tpr = rate(np.where(touched, different[comparison], np.nan))
+        fpr = rate(np.where(untouched, different[comparison], np.nan))
+        _, difference, *_, p = paired_cluster_difference(
+            100.0 * discovered[comparison] - 100.0 * discovered[reference], scene
         )
-        hits_difference, hits_p = np.nan, np.nan
+        tpr_difference, tpr_p = np.nan, np.nan
         if touched.any():
-            _, hits_difference, *_, hits_p = by_household(
-                (different[comparison] - 1.0 * different[ours])[touched], household[touched]
+            _, tpr_difference, *_, tpr_p = paired_cluster_difference(
+                (different[comparison] - 1.0 * different[reference])[touched], scene[touched]
             )
         rows.append(
             dict(
                 comparison=comparison,
-                n=len(table),
+                n=len(truth),
                 n_moved=int((truth == "moved").sum()),
-                discovered=int(found[comparison].sum()),
-                per_hundred=per_hundred,
+                discovered=int(discovered[comparison].sum()),
+                discovery_rate=discovery_rate,
                 ci_low=low,
                 ci_high=high,
-                false_alarms=int(((said == "moved") & (truth != "moved")).sum()),
+                false_alarms=int(((predicted == "moved") & (truth != "moved")).sum()),
                 difference=difference,
                 p=p,
-                p_experiments=mcnemar(found[comparison], found[ours]).p,
+                p_experiments=mcnemar(discovered[comparison], discovered[reference]).p,
                 n_touched=int(touched.sum()),
-                hits=hits,
-                hits_low=hits_low,
-                hits_high=hits_high,
-                hits_difference=hits_difference,
-                hits_p=hits_p,
+                **dict(zip(("tpr", "tpr_low", "tpr_high"), tpr, strict=True)),
+                tpr_difference=tpr_difference,
+                tpr_p=tpr_p,
                 n_untouched=int(untouched.sum()),
-                false_hits=false_hits,
-                false_hits_low=false_low,
-                false_hits_high=false_high,
+                **dict(zip(("fpr", "fpr_low", "fpr_high"), fpr, strict=True)),
             )
         )
     return pd.DataFrame(rows)
 
 
-def _found(table: pd.DataFrame) -> np.ndarray:
-    """In which experiments a moved object is found, and where: bool (n,)."""
+def is_discovery(rows: pd.DataFrame) -> np.ndarray:
+    """Experiments in which a moved object is found, and where: bool (n,)."""
     return (
-        (table["outcome_predicted"] == "moved")
-        & (table["outcome_true"] == "moved")
-        & (table["overlap"] >= FOUND)
+        (rows["outcome_predicted"] == "moved")
+        & (rows["outcome_true"] == "moved")
+        & (rows["overlap"] >= DISCOVERED)
     ).to_numpy()
 
 
-def write_discoveries(mask_alternatives: Path, out: Path, config: Config) -> None:
+def _nullable(name: str, description: str) -> Column:
+    return Column(name, FLOAT, "1", description, nullable=True)
+
+
+@table(
+    title="Discoveries of SC-experiments and their alternatives",
+    columns=(
+        KIND,
+        COMPARISON,
+        Column("n", INT, "1", "experiments, all from the same starts"),
+        Column("n_moved", INT, "1", "in which a visible object moved and the view is the same"),
+        Column(
+            "discovered", INT, "1",
+            "in which that is predicted, and where: intersection over union of at least one half",
+        ),
+        Column("discovery_rate", FLOAT, "1", "discoveries per hundred experiments"),
+        *INTERVAL,
+        Column("false_alarms", INT, "1", "predicted as moved, but the outcome is another"),
+        Column(
+            "difference", FLOAT, "1", "discoveries per hundred less those of SC-experiments",
+            nullable=True,
+        ),
+        Column("p", FLOAT, "1", "paired t-test of that difference, over cluttered scenes"),
+        Column(
+            "p_experiments", FLOAT, "1", "exact McNemar test of it, as if experiments were independent"
+        ),
+        Column("n_touched", INT, "1", "experiments whose first order touched an immovable object"),
+        _nullable("tpr", "true positive rate: the fraction of them predicted as different"),
+        _nullable("tpr_low", "lower end of its 95 % interval"),
+        _nullable("tpr_high", "upper end"),
+        _nullable("tpr_difference", "tpr less that of SC-experiments"),
+        _nullable("tpr_p", "paired t-test of that difference, over cluttered scenes"),
+        Column("n_untouched", INT, "1", "experiments that touched nothing immovable in any order"),
+        _nullable("fpr", "false positive rate: the fraction of them predicted as different"),
+        _nullable("fpr_low", "lower end of its 95 % interval"),
+        _nullable("fpr_high", "upper end"),
+    ),
+    inputs=["mask_alternatives"],
+)  # fmt: skip
+def mask_discoveries(alternatives: pd.DataFrame, config: Config) -> pd.DataFrame:
     """Each kind of sequence by itself."""
-    alternatives = read_table("mask_alternatives", mask_alternatives)
     tables = []
     for kind in KINDS:
         rows = alternatives[alternatives["kind"] == kind]
         if len(rows):
-            tables.append(
-                discoveries(rows, generator(config.seed, "masks", "discoveries", kind)).assign(
-                    kind=kind
-                )
-            )
-    write_table("mask_discoveries", pd.concat(tables, ignore_index=True), out, config)
+            rng = generator(config.seed, "masks", "discoveries", kind)
+            tables.append(summarize_comparisons(rows, rng).assign(kind=kind))
+    return pd.concat(tables, ignore_index=True)

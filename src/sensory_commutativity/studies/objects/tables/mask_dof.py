@@ -1,30 +1,50 @@
-"""Which degree of freedom plays the SC-experiments on objects: that whose SCP is nearest one half (paper, section IV-A)."""
+"""The degree of freedom that plays the SC-experiments on objects: the one whose SCP is nearest one
+half (paper, section IV-A)."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pandas as pd
 
-from ....storage.tables import read_table, write_table
+from ....storage.columns import FLOAT, TEXT, Column
 from ...config import Config
-from ..builders import dof_nearest_half
+from ...declarations import table
+from ..builders import described_robot, robot_of_masks
 
 
-def write_dof(apartment_scp: Path, out: Path, config: Config) -> None:
-    """One row: the robot, the degree of freedom, its SCP."""
-    dof, scp = dof_nearest_half(read_table("apartment_scp", apartment_scp), config)
-    write_table(
-        "mask_dof",
-        pd.DataFrame([(config.masks.robot, dof, scp)], columns=["robot", "dof", "scp"]),
-        out,
-        config,
+@table(
+    title="Degree of freedom of the SC-experiments on objects",
+    columns=(
+        Column("robot", TEXT, "", "a key of apartment.robots", key=True),
+        Column("dof", TEXT, "", "degree of freedom of the arm whose SCP is nearest one half"),
+        Column("scp", FLOAT, "1", "its sensory commutativity probability in the reference"),
+    ),
+    inputs=["apartment_scp"],
+    settings=lambda config: [config.masks.robot, described_robot(config),
+                             config.apartment.reference, config.apartment.fields_of_view[0]],
+)  # fmt: skip
+def mask_dof(scp: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """One row.
+
+    Wheels and lifts are not considered: they move the camera, so that almost every outcome would
+    be "different".
+    """
+    apartment = config.apartment
+    reference = apartment.reference
+    rows = scp[
+        (scp["robot"] == reference.robot)
+        & (scp["apartment"] == reference.scene)
+        & (scp["start"] == "anywhere")
+        & (scp["length"] == apartment.sequence_length)
+        & (scp["threshold"] == reference.threshold)
+        & (scp["field_of_view"] == apartment.fields_of_view[0])
+    ].set_index("dof")["scp"]
+    robot = robot_of_masks(config)
+    arm = [
+        dof.name
+        for dof in robot.description.dofs
+        if dof.unit == "rad" and not set(dof.joints) & set(robot.wheels)
+    ]
+    nearest = (rows[arm] - 0.5).abs().idxmin()
+    return pd.DataFrame(
+        [(config.masks.robot, str(nearest), float(rows[nearest]))], columns=["robot", "dof", "scp"]
     )
-
-
-def read_dof(mask_dof: Path, config: Config) -> int:
-    """Place of that degree of freedom in the robot's action vector."""
-    from ..builders import robot_of_masks
-
-    dof = read_table("mask_dof", mask_dof)["dof"].iloc[0]
-    return [one.name for one in robot_of_masks(config).dofs].index(dof)

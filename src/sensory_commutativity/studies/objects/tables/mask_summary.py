@@ -1,56 +1,58 @@
-"""How good each model is on each test set: accuracy of the three outcomes, overlap of the masks, with intervals."""
+"""Accuracy of the outcomes and overlap of the masks, for every model on every test set."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from ....change_detection.outcome import OUTCOMES
 from ....seeding import generator
-from ....statistics.aggregates import percentile_interval, resampling_counts
-from ....storage.tables import read_table, write_table
+from ....storage.columns import FLOAT, INT, INTERVAL, Column
 from ...config import Config
+from ...declarations import Expected, table
+from ..builders import MODELS, names_of_test_sets
+from ..columns import MODEL, TEST_SET
 
 RESAMPLES = 9_999
+OUTCOMES = ("identical", "different", "moved")
 
 
-def ious(scores: pd.DataFrame) -> np.ndarray:
-    """Mean intersection over union of both masks of each row in which something moved; NaN of others: float64 (n,)."""
+def mean_iou_per_tuple(scores: pd.DataFrame) -> np.ndarray:
+    """Mean intersection over union of both masks of each row: float64 (n,), NaN if undefined."""
     with np.errstate(invalid="ignore"):
         return scores[["iou_1", "iou_2"]].mean(axis=1).to_numpy()
 
 
-def summarised(scores: pd.DataFrame, rng: np.random.Generator) -> dict[str, float]:
-    """One row of the table mask_summary, of the scores of one model on one test set.
+def summarize_scores(scores: pd.DataFrame, rng: np.random.Generator) -> dict[str, float]:
+    """One row of the table mask_summary, for the scores of one model on one test set.
 
-    Intervals: bootstrap over households, all tuples of a household together, since they share objects and places.
+    Intervals: bootstrap over cluttered scenes, whose tuples share objects and layouts.
     """
+    from ....statistics.aggregates import percentile_interval
+    from ....statistics.clusters import cluster_means, resample_clusters
+
     outcome = scores["outcome_true"].to_numpy()
-    right = (outcome == scores["outcome_predicted"].to_numpy()).astype(float)
-    iou = np.where(outcome == "moved", ious(scores), np.nan)
-    households, counts = resampled_households(scores["household"], rng)
+    correct = (outcome == scores["outcome_predicted"].to_numpy()).astype(float)
+    iou = np.where(outcome == "moved", mean_iou_per_tuple(scores), np.nan)
+    clusters, counts = resample_clusters(scores["household"], RESAMPLES, rng)
     with np.errstate(invalid="ignore", divide="ignore"):
-        recalls = {
-            name: resampled_mean(np.where(outcome == name, right, np.nan), households, counts)
+        recalls = [
+            cluster_means(np.where(outcome == name, correct, np.nan), clusters, counts)
             for name in OUTCOMES
-        }
-        accuracy, overlap = (
-            np.nanmean(np.stack(list(recalls.values())), axis=0),
-            resampled_mean(iou, households, counts),
-        )
-    known, moved = np.isfinite(iou), scores[outcome == "moved"]
+        ]
+        accuracy = np.nanmean(np.stack(recalls), axis=0)
+        overlap = cluster_means(iou, clusters, counts)
+    defined, moved = np.isfinite(iou), scores[outcome == "moved"]
     recall = {
-        name: float(right[outcome == name].mean()) if (outcome == name).any() else np.nan
+        name: float(correct[outcome == name].mean()) if (outcome == name).any() else np.nan
         for name in OUTCOMES
     }
     low, high = percentile_interval(accuracy[np.isfinite(accuracy)], 0.95)
-    ends = (
+    iou_low, iou_high = (
         percentile_interval(overlap[np.isfinite(overlap)], 0.95)
-        if known.any()
+        if defined.any()
         else (np.nan, np.nan)
     )
+    pooled = moved["intersection"].sum() / max(1, moved["union"].sum())
     return dict(
         n=len(scores),
         **{f"n_{name}": int((outcome == name).sum()) for name in OUTCOMES},
@@ -58,46 +60,48 @@ def summarised(scores: pd.DataFrame, rng: np.random.Generator) -> dict[str, floa
         ci_low=low,
         ci_high=high,
         **{f"recall_{name}": value for name, value in recall.items()},
-        mean_iou=float(iou[known].mean()) if known.any() else np.nan,
-        iou_ci_low=ends[0],
-        iou_ci_high=ends[1],
-        median_iou=float(np.median(iou[known])) if known.any() else np.nan,
-        pooled_iou=float(moved["intersection"].sum() / max(1, moved["union"].sum()))
-        if len(moved)
-        else np.nan,
+        mean_iou=float(iou[defined].mean()) if defined.any() else np.nan,
+        iou_ci_low=iou_low,
+        iou_ci_high=iou_high,
+        median_iou=float(np.median(iou[defined])) if defined.any() else np.nan,
+        pooled_iou=float(pooled) if len(moved) else np.nan,
     )
 
 
-def resampled_households(
-    household: pd.Series, rng: np.random.Generator
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """Of each household the places of its rows, and how often each resample draws it: int (RESAMPLES, households)."""
-    households = list(
-        household.reset_index(drop=True).groupby(household.to_numpy()).indices.values()
-    )
-    return households, resampling_counts(len(households), RESAMPLES, rng)
+def _nullable(name: str, description: str) -> Column:
+    return Column(name, FLOAT, "1", description, nullable=True)
 
 
-def resampled_mean(
-    values: np.ndarray, households: list[np.ndarray], counts: np.ndarray
-) -> np.ndarray:
-    """Means of `values` (n,), NaN left out, in resamples of households: float (resamples,); NaN where a resample has none."""
-    sums = np.array([np.nansum(values[chosen]) for chosen in households])
-    numbers = np.array([np.isfinite(values[chosen]).sum() for chosen in households])
-    return (counts @ sums) / (counts @ numbers)
-
-
-def write_summary(mask_scores: Path, out: Path, config: Config) -> None:
+@table(
+    title="Accuracy and overlap of every model on every test set",
+    columns=(
+        MODEL,
+        TEST_SET,
+        Column("n", INT, "1", "test tuples"),
+        Column("n_identical", INT, "1", "of them identical"),
+        Column("n_different", INT, "1", "of them different"),
+        Column("n_moved", INT, "1", "of them with an object that moved"),
+        _nullable("accuracy", "mean of the recalls of the three outcomes (balanced accuracy)"),
+        *INTERVAL,
+        _nullable("recall_identical", "fraction of the identical that is predicted as such"),
+        _nullable("recall_different", "of the different"),
+        _nullable("recall_moved", "of those in which something moved"),
+        _nullable("mean_iou", "mean over tuples of the mean IoU of both masks"),
+        _nullable("iou_ci_low", "lower end of its 95 % interval"),
+        _nullable("iou_ci_high", "upper end"),
+        _nullable("median_iou", "median over tuples"),
+        _nullable("pooled_iou", "sum of all intersections over sum of all unions"),
+    ),
+    inputs=["mask_scores"],
+    expected=lambda config: Expected(
+        ("model", "test_set"),
+        {(model, name): 1 for model in MODELS for name in names_of_test_sets(config)},
+    ),
+)
+def mask_summary(scores: pd.DataFrame, config: Config) -> pd.DataFrame:
     """A row per model and test set."""
     rows = []
-    for (model, test_set), scores in read_table("mask_scores", mask_scores).groupby(
-        ["model", "test_set"], sort=False
-    ):
-        rows.append(
-            dict(
-                model=model,
-                test_set=test_set,
-                **summarised(scores, generator(config.seed, "masks", "summary", model, test_set)),
-            )
-        )
-    write_table("mask_summary", pd.DataFrame(rows), out, config)
+    for (model, test_set), group in scores.groupby(["model", "test_set"], sort=False):
+        rng = generator(config.seed, "masks", "summary", model, test_set)
+        rows.append(dict(model=model, test_set=test_set, **summarize_scores(group, rng)))
+    return pd.DataFrame(rows)

@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...config import Config
+from ...declarations import figure
 from ...plotting import GREEN, GREY, VERMILION
 
 _COLUMNS = (
@@ -27,7 +28,11 @@ def _ours(row: pd.Series) -> str:
     return row["our_value"] + interval
 
 
-def draw(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+@figure(
+    title="The paper's claims beside what was measured, as a table to look at",
+    inputs=["paper_comparison"],
+)
+def paper_comparison(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     rows = []
     for _, row in tables["paper_comparison"].iterrows():
         cells = (row["claim"], row["section"], row["paper_value"], _ours(row))

@@ -1,10 +1,16 @@
-"""The control under which a motion that touches nothing commutes to rounding, and one that is blocked is lost.
+"""The velocity controller of a robot, under which free motion commutes and blocked motion is lost.
 
-A motor that is only told a velocity creeps under gravity; one that is told the position where the commands add up to catches up later on whatever it
-could not do, so that hitting a wall would commute. Here, 240 times a second, the commanded velocities (rising linearly over each action, so that the
-motors can follow) are added up to *targets*, and a target never runs further than a *slack* ahead of what is measured: what is blocked for longer is
-lost. Motors are told the velocity of the target plus a part of its distance. The base has three targets, x, y and heading, that run along the exact
-arcs of a differential drive, and is else treated as a joint is.
+A motor that only follows a velocity creeps under gravity. One that follows the position where the
+commands add up later catches up on everything it could not do, so even hitting a wall would
+commute. This controller integrates the commanded velocities, 240 times a second, to *target*
+positions, but keeps each target within a maximum tracking error of the measured position: what is
+blocked for longer is lost. The motors follow the velocity of the target plus a proportional
+correction of the tracking error. Commanded velocities change linearly over each action, so motors
+can follow.
+
+The base has three axes, x, y and heading, whose targets follow the exact arcs of a differential
+drive; otherwise they are controlled like joints. In free space the orders of a sequence thus end
+equal up to rounding.
 """
 
 from __future__ import annotations
@@ -18,179 +24,211 @@ from ....compiled import njit
 from .robot import CONTROL_STEP, Robot
 
 SUBSTEPS = 24
-"""Steps of the physics in an action, 240 per second (iGibson's environments: 1/10 s and 1/240 s)."""
+"""Physics steps per action, 240 per second (iGibson's environments: 1/10 s and 1/240 s)."""
 DT = CONTROL_STEP / SUBSTEPS
+"""Duration of a physics step, seconds."""
 
-GAIN = 0.3  # of the distance to the target, per substep; measured: 1 rings, 0.05 sags
-BASE_SLACK, HEADING_SLACK = (
-    0.03,
-    0.05,
-)  # m, rad; measured: the base lags behind full commands by less
-TURN_SLACK, SLIDE_SLACK = (
-    0.02,
-    0.005,
-)  # rad, m; measured: the same of joints; chosen so small for slides because an action moves Fetch's torso by 0.01 m
-FASTEST = 1.5  # times the commanded velocity limit is what a motor is told at most; chosen: catches up within the slack, and does not throw things
+POSITION_GAIN = 0.3
+"""Fraction of the tracking error corrected per substep; measured: 1 rings, 0.05 sags."""
+MAX_BASE_ERROR = 0.03
+"""Maximum tracking error of x and y, metres; measured: at full speed the base lags by less."""
+MAX_HEADING_ERROR = 0.05
+"""Maximum tracking error of the heading, rad; measured as for MAX_BASE_ERROR."""
+MAX_REVOLUTE_ERROR = 0.02
+"""Maximum tracking error of revolute joints, rad; measured: at full speed joints lag by less."""
+MAX_PRISMATIC_ERROR = 0.005
+"""Maximum tracking error of prismatic joints, metres; measured as for MAX_REVOLUTE_ERROR, and
+chosen so small because one action moves Fetch's torso by 0.01 m."""
+OVERSPEED = 1.5
+"""Maximum velocity of a motor, in units of the commanded maximum; chosen: catches up within the
+tracking error, and does not throw objects."""
 
 
-class Law(NamedTuple):
-    """What the control of a robot is made of. Axes are x, y, heading of the base, if it has a drive, and then the joints.
+class ControllerParameters(NamedTuple):
+    """The constants of a robot's controller.
+
+    An axis is a motor: x, y and heading of the base, if it has a drive, and then the joints.
 
     Attributes
     ----------
-    of_axis : int64 (n,)
-        The degree of freedom whose velocity an axis has; -1 for those of the base.
-    velocity : float64 (dofs,)
-        What an action of 1 commands, rad/s or m/s.
+    dof_of_axis : int64 (axes,)
+        Degree of freedom that commands the axis; -1 for those of the base.
+    dof_velocity : float64 (dofs,)
+        Velocity that an action of 1 commands, rad/s or m/s.
     wheels : int64 (2,)
-        The degrees of freedom of the right and the left wheel; -1 without a drive.
+        Degrees of freedom of the right and the left wheel; -1 without a drive.
     wheel_radius, track : float
         Metres.
-    low, high, slack, most : float64 (n,)
-        Limits of an axis, its slack, the fastest that its motor is told.
+    low, high : float64 (axes,)
+        Limits, rad or m.
+    max_tracking_error : float64 (axes,)
+        Maximum distance of the target from the measured position, rad or m.
+    max_velocity : float64 (axes,)
+        Maximum velocity target of the motor, rad/s or m/s.
     """
 
-    of_axis: np.ndarray
-    velocity: np.ndarray
+    dof_of_axis: np.ndarray
+    dof_velocity: np.ndarray
     wheels: np.ndarray
     wheel_radius: float
     track: float
     low: np.ndarray
     high: np.ndarray
-    slack: np.ndarray
-    most: np.ndarray
+    max_tracking_error: np.ndarray
+    max_velocity: np.ndarray
 
 
-class Control(NamedTuple):
-    """Where the control has got to.
+class ControllerState(NamedTuple):
+    """The variables of a robot's controller.
 
     Attributes
     ----------
-    target : float64 (n,)
-        Where each axis should be.
-    before, command : float64 (dofs,)
-        Velocities at the beginning and the end of the present action.
+    target : float64 (axes,)
+        Target position of each axis, rad or m.
+    previous_command, command : float64 (dofs,)
+        Commanded velocities at the beginning and the end of the current action, rad/s or m/s.
     """
 
     target: np.ndarray
-    before: np.ndarray
+    previous_command: np.ndarray
     command: np.ndarray
 
-    def copy(self) -> Control:
-        """A copy that shares nothing."""
-        return Control(*(array.copy() for array in self))
+    def copy(self) -> ControllerState:
+        """Return a deep copy."""
+        return ControllerState(*(array.copy() for array in self))
 
-    def set(self, other: Control) -> None:
-        """Take over the values of another."""
-        for own, value in zip(self, other, strict=True):
-            own[:] = value
+    def assign(self, other: ControllerState) -> None:
+        """Copy the values of another state into this one."""
+        for array, value in zip(self, other, strict=True):
+            array[:] = value
 
 
-def law_of(robot: Robot) -> tuple[Law, np.ndarray]:
-    """The control of a robot, and the most that the motor of each axis can do: float64 (n,), N or Nm."""
+def make_controller(robot: Robot) -> tuple[ControllerParameters, np.ndarray]:
+    """Return the controller of a robot and the maximum force of each motor.
+
+    Returns
+    -------
+    parameters : ControllerParameters
+    forces : float64 (axes,)
+        N or Nm.
+    """
     description, dofs = robot.description, robot.description.dofs
-    drive, moved_by = (
-        description.drive,
-        {name: k for k, dof in enumerate(dofs) for name in dof.joints},
-    )
-    velocity = np.array([dof.velocity for dof in dofs])
-    axes, slack, most, force = [], [], [], []
+    drive = description.drive
+    dof_of_joint = {joint: k for k, dof in enumerate(dofs) for joint in dof.joints}
+    dof_velocity = np.array([dof.velocity for dof in dofs])
+    wheels = [dof_of_joint[name] for name in robot.wheels]
+    dof_of_axis, max_error, max_velocity, forces = [], [], [], []
     limits = robot.limits
     if drive is not None:
-        speed = max(velocity[moved_by[name]] for name in robot.wheels) * drive.wheel_radius
-        axes, slack, force = (
-            [-1] * 3,
-            [BASE_SLACK, BASE_SLACK, HEADING_SLACK],
-            [drive.force, drive.force, drive.torque],
-        )
-        most = [FASTEST * speed, FASTEST * speed, FASTEST * 2 * speed / drive.track]
+        speed = max(dof_velocity[k] for k in wheels) * drive.wheel_radius
+        dof_of_axis = [-1] * 3
+        max_error = [MAX_BASE_ERROR, MAX_BASE_ERROR, MAX_HEADING_ERROR]
+        max_velocity = [OVERSPEED * speed, OVERSPEED * speed, OVERSPEED * 2 * speed / drive.track]
+        forces = [drive.force, drive.force, drive.torque]
         limits = np.concatenate([np.tile((-math.inf, math.inf), (3, 1)), limits])
     for joint in robot.joints:
-        dof, slides = dofs[moved_by[joint.name]], joint.kind == "prismatic"
-        axes.append(moved_by[joint.name])
-        slack.append(SLIDE_SLACK if slides else TURN_SLACK)
-        most.append(FASTEST * dof.velocity)
-        force.append(dof.force or (description.lift_force if slides else description.arm_force))
-    law = Law(
-        np.array(axes, np.int64), velocity, np.array([moved_by[name] for name in robot.wheels] or [-1, -1], np.int64),
-        drive.wheel_radius if drive else 0.0, drive.track if drive else 1.0,
-        np.ascontiguousarray(limits[:, 0]), np.ascontiguousarray(limits[:, 1]), np.array(slack), np.array(most),
-    )  # fmt: skip
-    return law, np.array(force)
-
-
-def at_rest(law: Law, measured: np.ndarray) -> Control:
-    """Control that stands still where the axes are: `measured`, float64 (n,)."""
-    return Control(
-        np.array(measured, np.float64), np.zeros(len(law.velocity)), np.zeros(len(law.velocity))
+        dof, prismatic = dofs[dof_of_joint[joint.name]], joint.kind == "prismatic"
+        default_force = description.lift_force if prismatic else description.arm_force
+        dof_of_axis.append(dof_of_joint[joint.name])
+        max_error.append(MAX_PRISMATIC_ERROR if prismatic else MAX_REVOLUTE_ERROR)
+        max_velocity.append(OVERSPEED * dof.velocity)
+        forces.append(dof.force or default_force)
+    parameters = ControllerParameters(
+        dof_of_axis=np.array(dof_of_axis, np.int64),
+        dof_velocity=dof_velocity,
+        wheels=np.array(wheels or [-1, -1], np.int64),
+        wheel_radius=drive.wheel_radius if drive else 0.0,
+        track=drive.track if drive else 1.0,
+        low=np.ascontiguousarray(limits[:, 0]),
+        high=np.ascontiguousarray(limits[:, 1]),
+        max_tracking_error=np.array(max_error),
+        max_velocity=np.array(max_velocity),
     )
+    return parameters, np.array(forces)
+
+
+def hold_still(parameters: ControllerParameters, measured: np.ndarray) -> ControllerState:
+    """Return the state that keeps the axes at rest at `measured`, float64 (axes,)."""
+    n = len(parameters.dof_velocity)
+    return ControllerState(np.array(measured, np.float64), np.zeros(n), np.zeros(n))
 
 
 @njit()
-def begin(law: Law, control: Control, action: np.ndarray) -> None:
-    """A new action, float64 (dofs,), is played from now on; clipped to [-1, 1]."""
-    for k in range(len(law.velocity)):
-        control.before[k] = control.command[k]
-        control.command[k] = min(max(action[k], -1.0), 1.0) * law.velocity[k]
+def start_action(
+    parameters: ControllerParameters, state: ControllerState, action: np.ndarray
+) -> None:
+    """Set the command to an action, float64 (dofs,), clipped to [-1, 1]."""
+    for k in range(len(parameters.dof_velocity)):
+        state.previous_command[k] = state.command[k]
+        state.command[k] = min(max(action[k], -1.0), 1.0) * parameters.dof_velocity[k]
 
 
 @njit()
 def advance(
-    law: Law, control: Control, substep: int, measured: np.ndarray, told: np.ndarray
+    parameters: ControllerParameters,
+    state: ControllerState,
+    substep: int,
+    measured: np.ndarray,
+    velocity_target: np.ndarray,
 ) -> bool:
-    """Run the targets on by one substep of the present action and tell the motors.
+    """Advance the targets by one substep and compute what the motors do.
 
     Parameters
     ----------
+    parameters : ControllerParameters
+    state : ControllerState
+        Updated in place.
     substep : int
-        Which of the action's, from 0.
-    measured : float64 (n,)
-        Where the axes are.
-    told : float64 (n,)
-        Is filled with the velocities that the motors are told.
+        Number of the substep in the current action, from 0.
+    measured : float64 (axes,)
+        Measured positions, rad or m.
+    velocity_target : float64 (axes,)
+        Output: the velocities that the motors are to follow, rad/s or m/s.
 
     Returns
     -------
     bool
-        Whether a limit keeps a joint from going where it is commanded.
+        Whether a limit stops an axis that is commanded beyond it.
     """
-    risen, at_limit = (substep + 0.5) / SUBSTEPS, False
-    speed, turn = 0.0, 0.0
-    if law.wheels[0] >= 0:
-        right, left = (
-            _velocity(control, law.wheels[0], risen),
-            _velocity(control, law.wheels[1], risen),
-        )
-        speed = law.wheel_radius * (right + left) / 2
-        turn = law.wheel_radius * (right - left) / law.track
-    for i in range(len(law.of_axis)):
-        # A target that was held back runs on from where it is held: what is blocked is lost.
-        start = min(max(control.target[i], measured[i] - law.slack[i]), measured[i] + law.slack[i])
-        if law.of_axis[i] >= 0:
-            step = _velocity(control, law.of_axis[i], risen) * DT
+    ramp, at_limit = (substep + 0.5) / SUBSTEPS, False
+    speed, turn_rate = 0.0, 0.0
+    if parameters.wheels[0] >= 0:
+        right = _ramp_velocity(state, parameters.wheels[0], ramp)
+        left = _ramp_velocity(state, parameters.wheels[1], ramp)
+        speed = parameters.wheel_radius * (right + left) / 2
+        turn_rate = parameters.wheel_radius * (right - left) / parameters.track
+    for i in range(len(parameters.dof_of_axis)):
+        max_error, max_velocity = parameters.max_tracking_error[i], parameters.max_velocity[i]
+        # A target that had to wait continues from where it waited: what is blocked is lost.
+        start = min(max(state.target[i], measured[i] - max_error), measured[i] + max_error)
+        if parameters.dof_of_axis[i] >= 0:
+            step = _ramp_velocity(state, parameters.dof_of_axis[i], ramp) * DT
         else:
-            step = _arc(i, speed * DT, turn * DT, control.target[2] if i < 2 else 0.0)
+            step = _arc(i, speed * DT, turn_rate * DT, state.target[2] if i < 2 else 0.0)
+        low, high = parameters.low[i], parameters.high[i]
         end = start + step
-        if end > law.high[i] or end < law.low[i]:
-            at_limit = (
-                at_limit or (step > 0 and end > law.high[i]) or (step < 0 and end < law.low[i])
-            )
-            end = min(max(end, law.low[i]), law.high[i])
-        told[i] = min(
-            max((end - start + GAIN * (start - measured[i])) / DT, -law.most[i]), law.most[i]
-        )
-        control.target[i] = end
+        if end > high or end < low:
+            at_limit = at_limit or (step > 0 and end > high) or (step < 0 and end < low)
+            end = min(max(end, low), high)
+        velocity = (end - start + POSITION_GAIN * (start - measured[i])) / DT
+        velocity_target[i] = min(max(velocity, -max_velocity), max_velocity)
+        state.target[i] = end
     return at_limit
 
 
 @njit()
-def _velocity(control, dof, risen):
-    return control.before[dof] + risen * (control.command[dof] - control.before[dof])
+def _ramp_velocity(state, dof, ramp):
+    """Return the commanded velocity after a fraction `ramp` of the current action."""
+    previous = state.previous_command[dof]
+    return previous + ramp * (state.command[dof] - previous)
 
 
 @njit()
 def _arc(axis, forward, turn, heading):
-    """How far a base moves along x (0), y (1) or its heading (2) on an arc of the length `forward` that turns it by `turn`."""
+    """Return the motion along x (0), y (1) or heading (2) on an arc of length `forward`.
+
+    The arc turns the base by `turn`, rad, from `heading`.
+    """
     if axis == 2:
         return turn
     half = turn / 2

@@ -1,34 +1,55 @@
-"""An apartment from a floor plan: rectangular rooms, doors between them, furniture, and things that can be pushed.
+"""Build an apartment from a floor plan: rectangular rooms, doors, furniture and movable objects.
 
-Rooms are given by the middle lines of their walls, so neighbours share a coordinate. Each room has its own half of every wall, in its own colour and
-texture; a door leaves a gap in both halves and a lintel above.
+A room is bounded by the centre lines of its walls, so adjacent rooms share a coordinate. Each room
+has its own half of every wall, with its own colour and texture. A door is a gap in both halves
+with a lintel above.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
 from ....storage.settings import Name, Section
 from .. import frames as fr
-from ..geometry import box, cylinder, panel, placed
+from ..geometry import box, cylinder, panel, transform
 from ..rendering.textures import TEXTURES
+from .descriptions import (
+    Colour,
+    ObjectDescription,
+    Pair,
+    SizeTriple,
+    Surface,
+    check_unique_names,
+    place_object,
+)
 from .furniture import FURNITURE, Block
-from .scene import Area, Fixture, Part, Quaternion, Scene, SceneError, Solid, Vector
-from .scenefile import Colour, ObjectDescription, Pair, SizeTriple, no_name_twice, put_down
+from .scene import (
+    Area,
+    Fixture,
+    Movable,
+    Part,
+    Quaternion,
+    Scene,
+    SceneError,
+    Solid,
+    Vector,
+    as_vector,
+)
 
-FLOOR = 0.02
-"""Metres: how thick floors and ceilings are drawn; only their surface is seen."""
+SLAB_THICKNESS = 0.02
+"""Metres: drawn thickness of floors and ceilings; chosen: any, since only one face is visible."""
 
 
 class Room(Section):
     """A rectangular room."""
 
-    x: Pair = Field(description="From the middle of one wall to the middle of the other, metres.")
+    x: Pair = Field(description="From the centre line of one wall to that of the other, metres.")
     y: Pair
     floor: str = Field("planks", description="Texture.")
     floor_colour: Colour = Field([0.9, 0.85, 0.8])
@@ -37,9 +58,9 @@ class Room(Section):
 
 
 class Door(Section):
-    """An opening between two rooms; there is nothing to open."""
+    """A permanent opening between two rooms, without a door leaf."""
 
-    at: Pair = Field(description="Its middle, on the line that two rooms share, metres.")
+    at: Pair = Field(description="Its centre, on the line that two rooms share, metres.")
     width: float = Field(0.9, gt=0.3, le=4)
     height: float = Field(2.05, gt=0.5)
 
@@ -47,14 +68,12 @@ class Door(Section):
 class Furniture(Section):
     """A piece of furniture."""
 
-    type: str = Field(description="A type of furniture; config/apartments/README.md lists them.")
-    name: Name | None = Field(
-        None, description="What it is called; its type and a number if not given."
-    )
-    at: Pair = Field(description="x and y of its middle, metres.")
+    type: str = Field(description="A furniture type listed in config/apartments/README.md.")
+    name: Name | None = Field(None, description="Default: the type and a number.")
+    at: Pair = Field(description="x and y of its centre, metres.")
     heading: float = Field(
         0.0,
-        description="Degrees, counter-clockwise; at 0 its front looks along x, its width lies along y.",
+        description="Degrees, counter-clockwise; at 0 the front faces x and the width is along y.",
     )
     size: SizeTriple | None = Field(None, description="Depth, width and height, metres.")
     colour: Colour | None = None
@@ -67,8 +86,8 @@ class FloorPlan(Section):
 
     kind: Literal["floor-plan"]
     name: Name
-    about: str = Field("", description="What it stands in for.")
-    height: float = Field(2.5, gt=1, le=10, description="Of the rooms, metres.")
+    about: str = Field("", description="What the plan represents.")
+    height: float = Field(2.5, gt=1, le=10, description="Height of the rooms, metres.")
     wall: float = Field(
         0.12, gt=0.01, le=1, description="Thickness of the walls between rooms, metres."
     )
@@ -80,35 +99,50 @@ class FloorPlan(Section):
 
 
 def build_floor_plan(plan: FloorPlan, path: Path) -> Scene:
-    """The scene that a plan describes; `path` is what messages name. Raises SceneError."""
-    where = str(path)
-    _check_rooms(plan, where)
-    names = [piece.name or f"{piece.type}-{i + 1}" for i, piece in enumerate(plan.furniture)]
-    no_name_twice(names, "furniture", where)
+    """Build the scene of a floor plan.
+
+    Parameters
+    ----------
+    plan : FloorPlan
+    path : Path
+        The scene file, for error messages.
+
+    Raises
+    ------
+    SceneError
+        With one line: the file, the problem and the remedy.
+    """
+    source = str(path)
+    _check_rooms(plan, source)
+    _check_doors(plan, source)
+    names = [item.name or f"{item.type}-{i + 1}" for i, item in enumerate(plan.furniture)]
+    check_unique_names(names, "furniture", source)
     fixtures = [fixture for name, room in plan.rooms.items() for fixture in _room(plan, name, room)]
-    surfaces: dict[str, tuple[float, float, float, float] | None] = {}
-    for name, piece in zip(names, plan.furniture, strict=True):
-        fixtures.append(_furniture(plan, name, piece, where))
-        surfaces[name] = _surface(piece)
+    surfaces: dict[str, Surface | None] = {}
+    for name, item in zip(names, plan.furniture, strict=True):
+        fixtures.append(_furniture(plan, name, item, source))
+        surfaces[name] = _surface(item)
     movables = tuple(
-        _object(thing, i + 1, surfaces, plan, where) for i, thing in enumerate(plan.objects)
+        _object(description, i + 1, surfaces, plan, source)
+        for i, description in enumerate(plan.objects)
     )
-    no_name_twice([movable.name for movable in movables], "objects", where)
-    inner = plan.wall / 2
+    check_unique_names([movable.name for movable in movables], "objects", source)
+    inset = plan.wall / 2
     areas = tuple(
-        Area(name, (room.x[0] + inner, room.x[1] - inner), (room.y[0] + inner, room.y[1] - inner))
+        Area(name, (room.x[0] + inset, room.x[1] - inset), (room.y[0] + inset, room.y[1] - inset))
         for name, room in plan.rooms.items()
     )
     return Scene(plan.name, tuple(fixtures), movables, areas)
 
 
-# ---- checks --------------------------------------------------------------------------------------------------------------------
+# ---- checks --------------------------------------------------------------------------------------
 
 
-def _check_rooms(plan: FloorPlan, where: str) -> None:
+def _check_rooms(plan: FloorPlan, source: str) -> None:
     if not plan.rooms:
         raise SceneError(
-            f"{where}: rooms: there are none, so there is no floor to stand on; add a room with x and y"
+            f"{source}: rooms: there are none, so there is no floor to stand on; "
+            "add a room with x and y"
         )
     rooms = list(plan.rooms.items())
     for i, (name, room) in enumerate(rooms):
@@ -116,204 +150,202 @@ def _check_rooms(plan: FloorPlan, where: str) -> None:
             low, high = getattr(room, axis)
             if high - low < 2 * plan.wall:
                 raise SceneError(
-                    f"{where}: rooms.{name}.{axis}: from {low:g} to {high:g} is no room; write the lower number first, metres apart"
+                    f"{source}: rooms.{name}.{axis}: from {low:g} to {high:g} is no room; "
+                    "write the lower number first, metres apart"
                 )
-        for other_name, other in rooms[:i]:
-            if all(min(room_, other_) > low for room_, other_, low in _overlaps(room, other)):
+        for other_name, other_room in rooms[:i]:
+            if _overlap(room, other_room):
                 raise SceneError(
-                    f"{where}: rooms: {other_name!r} and {name!r} overlap; let them share a wall at most"
+                    f"{source}: rooms: {other_name!r} and {name!r} overlap; "
+                    "let them share a wall at most"
                 )
         for key in ("floor", "walls"):
-            _check_texture(getattr(room, key), f"{where}: rooms.{name}.{key}")
+            _check_texture(getattr(room, key), f"{source}: rooms.{name}.{key}")
+
+
+def _overlap(first: Room, second: Room) -> bool:
+    """Whether two rooms share more than a wall."""
+    return all(
+        min(a_high, b_high) > max(a_low, b_low) + 1e-9
+        for (a_low, a_high), (b_low, b_high) in ((first.x, second.x), (first.y, second.y))
+    )
+
+
+def _check_doors(plan: FloorPlan, source: str) -> None:
     for i, door in enumerate(plan.doors):
-        if (
-            sum(
-                1
-                for room in plan.rooms.values()
-                for _, along, across, low, high in _sides(room)
-                if _is_in(door, along, across, low, high)
-            )
-            != 2
-        ):
+        sides = [side for room in plan.rooms.values() for side in _sides(room)]
+        if sum(_is_in(door, side) for side in sides) != 2:
             raise SceneError(
-                f"{where}: doors[{i}]: no wall between two rooms has a place for a door {door.width:g} m wide at {door.at}; "
+                f"{source}: doors[{i}]: no wall between two rooms has a place for a door "
+                f"{door.width:g} m wide at {door.at}; "
                 "put its middle on the line that they share, away from corners"
             )
         if door.height >= plan.height:
             raise SceneError(
-                f"{where}: doors[{i}].height: {door.height:g} m does not fit under the ceiling at {plan.height:g} m; make it lower"
+                f"{source}: doors[{i}].height: {door.height:g} m does not fit under the ceiling "
+                f"at {plan.height:g} m; make it lower"
             )
 
 
-def _overlaps(room: Room, other: Room) -> Iterator[tuple[float, float, float]]:
-    for axis in ("x", "y"):
-        (a, b), (c, d) = getattr(room, axis), getattr(other, axis)
-        yield b, d, max(a, c) + 1e-9
-
-
-def _check_texture(name: str, where: str) -> None:
+def _check_texture(name: str, key: str) -> None:
     if name and name not in TEXTURES:
-        raise SceneError(
-            f"{where}: there is no texture {name!r}; choose among {', '.join(TEXTURES)}"
-        )
+        raise SceneError(f"{key}: there is no texture {name!r}; choose among {', '.join(TEXTURES)}")
 
 
-# ---- rooms ---------------------------------------------------------------------------------------------------------------------
+# ---- rooms ---------------------------------------------------------------------------------------
 
 
-def _sides(room: Room) -> Iterator[tuple[str, int, float, float, float]]:
-    """Name, axis along which it runs (0: x), where on the other axis, from where, to where: of each wall."""
-    yield "south", 0, room.y[0], room.x[0], room.x[1]
-    yield "north", 0, room.y[1], room.x[0], room.x[1]
-    yield "west", 1, room.x[0], room.y[0], room.y[1]
-    yield "east", 1, room.x[1], room.y[0], room.y[1]
+class _Side(NamedTuple):
+    """One side of a room: the segment from `low` to `high` along an axis (0: x, 1: y)."""
+
+    name: str
+    axis: int
+    across: float  # coordinate on the other axis
+    low: float
+    high: float
 
 
-def _is_in(door: Door, along: int, across: float, low: float, high: float) -> bool:
+def _sides(room: Room) -> Iterator[_Side]:
+    yield _Side("south", 0, room.y[0], room.x[0], room.x[1])
+    yield _Side("north", 0, room.y[1], room.x[0], room.x[1])
+    yield _Side("west", 1, room.x[0], room.y[0], room.y[1])
+    yield _Side("east", 1, room.x[1], room.y[0], room.y[1])
+
+
+def _is_in(door: Door, side: _Side) -> bool:
+    """Whether a door lies completely within a side."""
     return (
-        abs(door.at[1 - along] - across) < 1e-6
-        and low < door.at[along] - door.width / 2
-        and door.at[along] + door.width / 2 < high
+        abs(door.at[1 - side.axis] - side.across) < 1e-6
+        and side.low < door.at[side.axis] - door.width / 2
+        and door.at[side.axis] + door.width / 2 < side.high
     )
 
 
 def _room(plan: FloorPlan, name: str, room: Room) -> Iterator[Fixture]:
-    middle = ((room.x[0] + room.x[1]) / 2, (room.y[0] + room.y[1]) / 2)
-    half = ((room.x[1] - room.x[0]) / 2, (room.y[1] - room.y[0]) / 2, FLOOR / 2)
-    floor = placed(box(half), (*middle, -FLOOR / 2))
-    ceiling = placed(box(half), (*middle, plan.height + FLOOR / 2))
-    yield Fixture(
-        f"{name} floor", (Part(floor, tuple(room.floor_colour), room.floor),), ()
-    )  # the ground carries what stands on it
-    yield Fixture(
-        f"{name} ceiling",
-        (Part(ceiling, tuple(plan.ceiling_colour), "plaster"),),
-        (),
-        overhead=True,
-    )
-    for side, along, across, low, high in _sides(room):
-        inward = 1 if side in ("south", "west") else -1
-        start = low
+    x, y = (room.x[0] + room.x[1]) / 2, (room.y[0] + room.y[1]) / 2
+    half = ((room.x[1] - room.x[0]) / 2, (room.y[1] - room.y[0]) / 2, SLAB_THICKNESS / 2)
+    floor = transform(box(half), (x, y, -SLAB_THICKNESS / 2))
+    ceiling = transform(box(half), (x, y, plan.height + SLAB_THICKNESS / 2))
+    # Neither has a solid: the ground plane supports the objects and nothing reaches the ceiling.
+    floor_part = Part(floor, as_vector(room.floor_colour), room.floor)
+    yield Fixture(f"{name} floor", (floor_part,), ())
+    ceiling_part = Part(ceiling, as_vector(plan.ceiling_colour), "plaster")
+    yield Fixture(f"{name} ceiling", (ceiling_part,), (), overhead=True)
+    for side in _sides(room):
         doors = sorted(
-            (door for door in plan.doors if _is_in(door, along, across, low, high)),
-            key=lambda door: door.at[along],
+            (door for door in plan.doors if _is_in(door, side)),
+            key=lambda door: door.at[side.axis],
         )
+        start = side.low
         for number, door in enumerate([*doors, None], start=1):
-            end = high if door is None else door.at[along] - door.width / 2
-            yield _wall(
-                plan,
-                room,
-                f"{name} {side} wall {number}",
-                along,
-                across,
-                inward,
-                (start, end),
-                (0.0, plan.height),
-                False,
-            )
+            end = side.high if door is None else door.at[side.axis] - door.width / 2
+            label = f"{name} {side.name} wall {number}"
+            yield _wall(plan, room, label, side, (start, end), (0.0, plan.height))
             if door is not None:
-                start = door.at[along] + door.width / 2
-                yield _wall(
-                    plan,
-                    room,
-                    f"{name} {side} lintel {number}",
-                    along,
-                    across,
-                    inward,
-                    (end, start),
-                    (door.height, plan.height),
-                    True,
-                )
+                start = door.at[side.axis] + door.width / 2
+                label = f"{name} {side.name} lintel {number}"
+                yield _wall(plan, room, label, side, (end, start), (door.height, plan.height), True)
 
 
 def _wall(
     plan: FloorPlan,
     room: Room,
     name: str,
-    along: int,
-    across: float,
-    inward: int,
+    side: _Side,
     run: tuple[float, float],
     rise: tuple[float, float],
-    overhead: bool,
+    overhead: bool = False,
 ) -> Fixture:
-    thick = plan.wall / 2
-    half, middle = [0.0] * 3, [0.0] * 3
-    half[along], middle[along] = (run[1] - run[0]) / 2, (run[0] + run[1]) / 2
-    half[1 - along], middle[1 - along] = thick / 2, across + inward * thick / 2
-    half[2], middle[2] = (rise[1] - rise[0]) / 2, (rise[0] + rise[1]) / 2
-    at: Vector = (middle[0], middle[1], middle[2])
-    part = Part(placed(box(half), at), tuple(room.wall_colour), room.walls)  # type: ignore[arg-type]
-    return Fixture(name, (part,), (Solid("box", tuple(half), at),), overhead)
+    """The room's half of a wall over the horizontal range `run` and the vertical range `rise`."""
+    inward = 1 if side.name in ("south", "west") else -1
+    thickness = plan.wall / 2
+    half, centre = [0.0] * 3, [0.0] * 3
+    half[side.axis], centre[side.axis] = (run[1] - run[0]) / 2, (run[0] + run[1]) / 2
+    half[1 - side.axis], centre[1 - side.axis] = thickness / 2, side.across + inward * thickness / 2
+    half[2], centre[2] = (rise[1] - rise[0]) / 2, (rise[0] + rise[1]) / 2
+    position = as_vector(centre)
+    part = Part(transform(box(half), position), as_vector(room.wall_colour), room.walls)
+    return Fixture(name, (part,), (Solid("box", tuple(half), position),), overhead)
 
 
-# ---- furniture and things ------------------------------------------------------------------------------------------------------
+# ---- furniture and objects -----------------------------------------------------------------------
 
 
-def _furniture(plan: FloorPlan, name: str, piece: Furniture, where: str) -> Fixture:
-    if piece.type not in FURNITURE:
+def _furniture(plan: FloorPlan, name: str, item: Furniture, source: str) -> Fixture:
+    if item.type not in FURNITURE:
         raise SceneError(
-            f"{where}: furniture: there is no type {piece.type!r}; choose among {', '.join(FURNITURE)}"
+            f"{source}: furniture: there is no type {item.type!r}; "
+            f"choose among {', '.join(FURNITURE)}"
         )
-    x, y = piece.at
+    x, y = item.at
     if not any(
         room.x[0] < x < room.x[1] and room.y[0] < y < room.y[1] for room in plan.rooms.values()
     ):
         raise SceneError(
-            f"{where}: furniture: {name!r} at {piece.at} is in no room; move it into one"
+            f"{source}: furniture: {name!r} at {item.at} is in no room; move it into one"
         )
-    what = FURNITURE[piece.type]
-    texture = what.texture if piece.texture is None else piece.texture
-    _check_texture(texture, f"{where}: furniture: {name!r}")
-    size, colour = tuple(piece.size or what.size), tuple(piece.colour or what.colour)
-    lift = what.lift if piece.lift is None else piece.lift
-    frame = fr.on_floor(x, y, math.radians(piece.heading), lift)
-    half = math.radians(piece.heading) / 2
-    rotation: Quaternion = (0.0, 0.0, math.sin(half), math.cos(half))
-    blocks = what.build(size, colour, texture)  # type: ignore[arg-type]
+    kind = FURNITURE[item.type]
+    texture = kind.texture if item.texture is None else item.texture
+    _check_texture(texture, f"{source}: furniture: {name!r}")
+    size, colour = as_vector(item.size or kind.size), as_vector(item.colour or kind.colour)
+    lift = kind.lift if item.lift is None else item.lift
+    frame = fr.on_floor(x, y, math.radians(item.heading), lift)
+    half_heading = math.radians(item.heading) / 2
+    rotation: Quaternion = (0.0, 0.0, math.sin(half_heading), math.cos(half_heading))
+    blocks = kind.build(size, colour, texture)
     parts = tuple(_part(block, frame, rotation) for block in blocks)
     solids = tuple(
-        Solid(block.kind, block.size, _at(frame, block.middle), rotation)
+        Solid(block.kind, block.size, _to_world(frame, block.centre), rotation)
         for block in blocks
         if block.solid
     )
-    return Fixture(name, parts, solids, overhead=piece.type == "hanging-lamp")
+    return Fixture(name, parts, solids, overhead=item.type == "hanging-lamp")
 
 
-def _at(frame, point: Vector) -> Vector:
-    x, y, z = fr.apply(frame, [point])[0]
+def _to_world(frame: np.ndarray, point: Vector) -> Vector:
+    x, y, z = fr.apply(frame, np.array([point]))[0]
     return float(x), float(y), float(z)
 
 
-def _part(block: Block, frame, rotation: Quaternion) -> Part:
-    mesh = (
-        cylinder(*block.size, sides=14)
-        if block.kind == "cylinder"
-        else (panel if block.once else box)(block.size)
-    )
-    return Part(placed(mesh, _at(frame, block.middle), rotation), block.colour, block.texture)
+def _part(block: Block, frame: np.ndarray, rotation: Quaternion) -> Part:
+    if block.kind == "cylinder":
+        radius, half_height = block.size
+        mesh = cylinder(radius, half_height, sides=14)
+    else:
+        mesh = (panel if block.fit_texture else box)(block.size)
+    mesh = transform(mesh, _to_world(frame, block.centre), rotation)
+    return Part(mesh, block.colour, block.texture)
 
 
-def _surface(piece: Furniture) -> tuple[float, float, float, float] | None:
-    """x, y and height of what things stand on, and its heading in rad; None where nothing can."""
-    what = FURNITURE[piece.type]
-    if what.surface is None:
+def _surface(item: Furniture) -> Surface | None:
+    """The surface that objects stand on, or None if the furniture has none."""
+    kind = FURNITURE[item.type]
+    if kind.surface is None:
         return None
-    height = what.surface(tuple(piece.size or what.size)) + (
-        what.lift if piece.lift is None else piece.lift
-    )  # type: ignore[arg-type]
-    return piece.at[0], piece.at[1], height, math.radians(piece.heading)
+    lift = kind.lift if item.lift is None else item.lift
+    height = kind.surface(as_vector(item.size or kind.size)) + lift
+    return item.at[0], item.at[1], height, math.radians(item.heading)
 
 
-def _object(thing: ObjectDescription, number: int, surfaces: dict, plan: FloorPlan, where: str):
-    if thing.stands_on is None:
-        return put_down(thing, number, where)
-    if thing.stands_on not in surfaces:
+def _object(
+    description: ObjectDescription,
+    number: int,
+    surfaces: Mapping[str, Surface | None],
+    plan: FloorPlan,
+    source: str,
+) -> Movable:
+    support = description.stands_on
+    if support is None:
+        return place_object(description, number, source)
+    if support not in surfaces:
         raise SceneError(
-            f"{where}: objects: {thing.type!r} stands on {thing.stands_on!r}, which is no furniture of {plan.name!r}; it has {', '.join(surfaces)}"
+            f"{source}: objects: {description.type!r} stands on {support!r}, which is no furniture "
+            f"of {plan.name!r}; it has {', '.join(surfaces)}"
         )
-    if surfaces[thing.stands_on] is None:
+    surface = surfaces[support]
+    if surface is None:
+        usable = ", ".join(name for name, surface in surfaces.items() if surface)
         raise SceneError(
-            f"{where}: objects: nothing can stand on {thing.stands_on!r}; choose among {', '.join(name for name, s in surfaces.items() if s)}"
+            f"{source}: objects: nothing can stand on {support!r}; choose among {usable}"
         )
-    return put_down(thing, number, where, surfaces[thing.stands_on])
+    return place_object(description, number, source, surface)

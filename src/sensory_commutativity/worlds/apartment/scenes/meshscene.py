@@ -1,6 +1,8 @@
-"""A user's own scene: a mesh of rooms as scanners and modellers make it (Gibson and Matterport ship such), with things that can be pushed.
+"""Build a scene from a user's mesh of rooms, such as a scan or a model, with movable objects.
 
-The mesh is what is seen and what is touched, as it is. A robot stands on the floor that the mesh has; it is found, or given.
+Scanners and modelling tools write such meshes; Gibson and Matterport distribute them. The mesh is
+both what the camera sees and what the robot touches. The robot stands on the floor of the mesh,
+whose height is estimated unless it is given.
 """
 
 from __future__ import annotations
@@ -14,23 +16,27 @@ import numpy as np
 from pydantic import Field
 
 from ....storage.settings import Name, Section
-from ..geometry import coloured_from_file
+from ..geometry import load_coloured_mesh
 from ..robots.urdf import MESH_FORMATS
-from .scene import Area, Fixture, Mesh, Part, Scene, SceneError, Solid, Vector
-from .scenefile import ObjectDescription, Pair, no_name_twice, put_down
+from .descriptions import ObjectDescription, Pair, check_unique_names, place_object
+from .scene import Area, Fixture, Mesh, Part, Scene, SceneError, Solid, as_vector
 
-LEVEL = 0.95
-"""Cosine of the slope up to which a face is level; chosen: 18 degrees, since scans are not even."""
-SLICE = 0.05
-"""Metres: faces within a slice of this height make one surface; chosen: scans of one floor differ by less."""
-LEAST_FLOOR = 0.5
-"""Square metres: what is smaller is no floor; chosen: a robot needs about a quarter of it."""
-BUMP = 0.03
-"""Metres: what rises less above the floor is not collided with, or a robot would stand in its own floor; chosen: as uneven as scans are."""
-CELL = 0.25
-"""Metres: sides of the squares of floor on which a robot may start where no areas are given; chosen: half as wide as robots are."""
-SHADES = 4
-"""Levels of each colour that are told apart; chosen: up to 64 parts, as colours of scans vary without end."""
+MIN_LEVEL_COSINE = 0.95
+"""Cosine of the steepest slope of a level face; chosen: 18 degrees, since scans are uneven."""
+HEIGHT_BIN = 0.05
+"""Metres: level faces within a bin of this height form one surface; chosen: scans of one floor
+vary less."""
+MIN_FLOOR_AREA = 0.5
+"""Square metres: smaller surfaces are no floor; chosen: a robot covers about a quarter of it."""
+MAX_BUMP_HEIGHT = 0.03
+"""Metres: faces that rise less above the floor do not collide, so that a robot does not stand
+inside its own floor; chosen: the unevenness of scans."""
+START_CELL = 0.25
+"""Metres: side of the squares of floor in which a robot may start if the scene names no areas;
+chosen: half the width of a robot."""
+COLOUR_LEVELS = 4
+"""Levels of each colour channel that are kept apart; chosen: limits a scan, whose colours vary
+continuously, to 64 parts."""
 GREY = (0.75, 0.74, 0.72)
 
 
@@ -47,158 +53,202 @@ class MeshScene(Section):
 
     kind: Literal["mesh"]
     name: Name
-    about: str = Field("", description="Where it comes from, its licence.")
+    about: str = Field("", description="Origin and licence.")
     mesh: str = Field(
         min_length=1, description="OBJ, PLY, GLB or STL: a path relative to this file."
     )
     scale: float = Field(1.0, gt=0, description="Metres per unit of the mesh.")
-    up: Literal["y", "z"] = Field("z", description="Which of the mesh's axes points up.")
+    up: Literal["y", "z"] = Field("z", description="The axis of the mesh that points up.")
     floor: float | None = Field(
         None,
-        description="Height of the floor in the mesh, metres; without it the lowest level surface of some size.",
+        description="Height of the floor in metres. Default: the lowest large level surface.",
     )
     areas: list[StartArea] = Field(
         default_factory=list,
-        description="Where a robot may start, in metres after scaling; without it, wherever there is floor.",
+        description="Where a robot may start, in metres after scaling. Default: all of the floor.",
     )
     objects: list[ObjectDescription] = Field(
-        default_factory=list,
-        description="Things that can be pushed; they stand on the floor, or at a height.",
+        default_factory=list, description="Movable objects on the floor, or at a given height."
     )
 
 
 def build_mesh_scene(settings: MeshScene, path: Path) -> Scene:
-    """The scene that the settings describe; `path` is their file. Raises SceneError."""
-    where, file = str(path), path.parent / settings.mesh
-    if not file.is_file():
+    """Build the scene of a mesh.
+
+    Parameters
+    ----------
+    settings : MeshScene
+    path : Path
+        The scene file: mesh paths are relative to it, and error messages name it.
+
+    Raises
+    ------
+    SceneError
+        With one line: the file, the problem and the remedy.
+    """
+    source = str(path)
+    mesh, colours = _read_mesh(settings, path)
+    if any(description.stands_on for description in settings.objects):
         raise SceneError(
-            f"{where}: mesh: there is no file {settings.mesh!r}; give a path relative to {path.parent}"
+            f"{source}: objects: a mesh has no furniture with names, so nothing can stand on it by "
+            "name (stands_on); give x, y and height instead"
         )
-    if (
-        file.suffix.lower() not in MESH_FORMATS
-    ):  # trimesh would also unpack archives and load what further packages read
-        raise SceneError(
-            f"{where}: mesh: {settings.mesh!r}; formats that can be read are {', '.join(MESH_FORMATS)}"
-        )
-    if any(thing.stands_on for thing in settings.objects):
-        raise SceneError(
-            f"{where}: objects: a mesh has no furniture with names, so nothing can stand on it by name (stands_on); give x, y and height instead"
-        )
-    try:
-        mesh, colours = coloured_from_file(file)
-    except Exception as error:  # whatever the many readers of mesh files raise
-        raise SceneError(
-            f"{where}: mesh: {settings.mesh!r} cannot be read ({error}); convert it to OBJ, PLY, GLB or STL"
-        ) from None
     vertices = mesh.vertices * settings.scale
     if settings.up == "y":
         vertices = np.stack([vertices[:, 0], -vertices[:, 2], vertices[:, 1]], 1)
-    floor = floor_height(vertices, mesh.faces) if settings.floor is None else settings.floor
+    floor = find_floor_height(vertices, mesh.faces) if settings.floor is None else settings.floor
     if floor is None:
         raise SceneError(
-            f"{where}: {settings.mesh!r} has no floor: no level surface of at least {LEAST_FLOOR:g} square metres; "
-            f"check scale ({settings.scale:g}) and up ({settings.up}), or give the height of the floor"
+            f"{source}: {settings.mesh!r} has no floor: no level surface of at least "
+            f"{MIN_FLOOR_AREA:g} square metres; check scale ({settings.scale:g}) and up "
+            f"({settings.up}), or give the height of the floor"
         )
     mesh = replace(mesh, vertices=vertices - (0, 0, floor))
-    solid = _above(mesh, BUMP)
+    solid = _collision_solid(mesh, MAX_BUMP_HEIGHT)
     fixture = Fixture("mesh", tuple(_parts(mesh, colours)), (solid,) if solid else ())
-    areas = tuple(Area(area.name, tuple(area.x), tuple(area.y)) for area in settings.areas)  # type: ignore[arg-type]
-    areas = areas or tuple(floor_areas(mesh))
-    movables = tuple(put_down(thing, i + 1, where) for i, thing in enumerate(settings.objects))
-    no_name_twice([movable.name for movable in movables], "objects", where)
-    return Scene(settings.name, (fixture,), movables, areas)
+    areas = tuple(
+        Area(area.name, (area.x[0], area.x[1]), (area.y[0], area.y[1])) for area in settings.areas
+    )
+    movables = tuple(
+        place_object(description, i + 1, source) for i, description in enumerate(settings.objects)
+    )
+    check_unique_names([movable.name for movable in movables], "objects", source)
+    return Scene(settings.name, (fixture,), movables, areas or tuple(find_floor_areas(mesh)))
 
 
-def floor_height(vertices: np.ndarray, faces: np.ndarray) -> float | None:
-    """Height of the lowest level surface of some size, metres: float64 (n, 3), int (m, 3); None where there is none."""
-    corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+def _read_mesh(settings: MeshScene, path: Path) -> tuple[Mesh, np.ndarray | None]:
+    """The mesh file as it is, and the colours of its faces, float64 (m, 3), if it has any."""
+    file = path.parent / settings.mesh
+    key = f"{path}: mesh:"
+    if not file.is_file():
+        raise SceneError(
+            f"{key} there is no file {settings.mesh!r}; give a path relative to {path.parent}"
+        )
+    # Without this check trimesh would also unpack archives and use further packages as readers.
+    if file.suffix.lower() not in MESH_FORMATS:
+        raise SceneError(
+            f"{key} {settings.mesh!r}; formats that can be read are {', '.join(MESH_FORMATS)}"
+        )
+    try:
+        return load_coloured_mesh(file)
+    except Exception as error:  # the readers of mesh formats raise almost anything
+        raise SceneError(
+            f"{key} {settings.mesh!r} cannot be read ({error}); convert it to OBJ, PLY, GLB or STL"
+        ) from None
+
+
+# ---- floor ---------------------------------------------------------------------------------------
+
+
+def find_floor_height(vertices: np.ndarray, faces: np.ndarray) -> float | None:
+    """Estimate the height of the floor: the lowest level surface of at least MIN_FLOOR_AREA.
+
+    Parameters
+    ----------
+    vertices : float64 (n, 3)
+        Metres, z up.
+    faces : int (m, 3)
+
+    Returns
+    -------
+    float or None
+        Metres; None if there is no such surface.
+    """
+    corners, normals = _corners_and_normals(vertices, faces)
     areas = np.linalg.norm(normals, axis=1) / 2
-    for slope in (
-        normals[:, 2],
-        np.abs(normals[:, 2]),
-    ):  # faces that look up, or where there are none any: scans are not always turned the right way
-        level = slope > LEVEL * 2 * areas
+    # Prefer faces that look up; fall back to any, since the faces of scans may be flipped.
+    for vertical in (normals[:, 2], np.abs(normals[:, 2])):
+        level = vertical > MIN_LEVEL_COSINE * 2 * areas
         height = _lowest_surface(corners[level, :, 2].mean(1), areas[level])
         if height is not None:
             return height
     return None
 
 
-def floor_areas(mesh: Mesh) -> Iterator[Area]:
-    """Squares of CELL on which the floor, at height 0, is found below the middle: where a robot may start, since rooms are seldom rectangles."""
-    corners = mesh.vertices[mesh.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    level = (np.abs(normals[:, 2]) > LEVEL * np.linalg.norm(normals, axis=1)) & (
-        np.abs(corners[:, :, 2]) <= SLICE
-    ).all(1)
-    floor = corners[level, :, :2]
-    if not len(floor):  # where its height was given: anywhere
-        (left, bottom), (right, top) = (
-            mesh.vertices[:, :2].min(0).tolist(),
-            mesh.vertices[:, :2].max(0).tolist(),
-        )
+def find_floor_areas(mesh: Mesh) -> Iterator[Area]:
+    """Yield squares of side START_CELL whose centres are above floor at z = 0.
+
+    Rooms are seldom rectangles, so that larger areas would not fit. A mesh without a level face at
+    z = 0, whose floor height was given by the user, yields its bounding rectangle.
+    """
+    corners, normals = _corners_and_normals(mesh.vertices, mesh.faces)
+    level = np.abs(normals[:, 2]) > MIN_LEVEL_COSINE * np.linalg.norm(normals, axis=1)
+    level &= (np.abs(corners[:, :, 2]) <= HEIGHT_BIN).all(1)
+    triangles = corners[level, :, :2]  # (k, 3, 2)
+    if not len(triangles):
+        left, bottom = mesh.vertices[:, :2].min(0).tolist()
+        right, top = mesh.vertices[:, :2].max(0).tolist()
         yield Area("everywhere", (left, right), (bottom, top))
         return
-    low, high = floor.min((0, 1)), floor.max((0, 1))
-    middles = [np.arange(low[k] + CELL / 2, high[k], CELL) for k in range(2)]
-    covered = np.zeros((len(middles[0]), len(middles[1])), bool)
-    for a, b, c in floor:
-        (left, bottom), (right, top) = np.min((a, b, c), 0), np.max((a, b, c), 0)
-        i, j = (
-            (middles[k] >= (left, bottom)[k]) & (middles[k] <= (right, top)[k]) for k in range(2)
-        )
-        if i.any() and j.any():
-            x, y = np.meshgrid(middles[0][i], middles[1][j], indexing="ij")
-            sides = np.stack(
-                [
-                    (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
-                    for p, q in ((a, b), (b, c), (c, a))
-                ]
-            )
-            covered[np.ix_(i, j)] |= (sides >= 0).all(0) | (sides <= 0).all(0)
+    low, high = triangles.min((0, 1)), triangles.max((0, 1))
+    x_centres, y_centres = (np.arange(low[k] + START_CELL / 2, high[k], START_CELL) for k in (0, 1))
+    covered = np.zeros((len(x_centres), len(y_centres)), bool)
+    for triangle in triangles:
+        _cover(covered, x_centres, y_centres, triangle)
+    half = START_CELL / 2
     for i, j in zip(*np.nonzero(covered), strict=True):
-        (x, y), half = (middles[0][i], middles[1][j]), CELL / 2
+        x, y = x_centres[i], y_centres[j]
         yield Area("floor", (float(x - half), float(x + half)), (float(y - half), float(y + half)))
 
 
-def _lowest_surface(heights: np.ndarray, sizes: np.ndarray) -> float | None:
-    slices = np.floor(heights / SLICE).astype(np.int64)
-    for k in np.unique(slices):
-        near = np.abs(heights - (k + 0.5) * SLICE) <= SLICE
-        if sizes[near].sum() >= LEAST_FLOOR:
-            return float(np.average(heights[near], weights=sizes[near]))
+def _cover(
+    covered: np.ndarray, x_centres: np.ndarray, y_centres: np.ndarray, triangle: np.ndarray
+) -> None:
+    """Set the cells of a grid, bool (nx, ny), whose centres are in a triangle, float64 (3, 2)."""
+    a, b, c = triangle
+    (left, bottom), (right, top) = triangle.min(0), triangle.max(0)
+    i = (x_centres >= left) & (x_centres <= right)
+    j = (y_centres >= bottom) & (y_centres <= top)
+    if not (i.any() and j.any()):
+        return
+    x, y = np.meshgrid(x_centres[i], y_centres[j], indexing="ij")
+    sides = np.stack(
+        [
+            (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
+            for p, q in ((a, b), (b, c), (c, a))
+        ]
+    )
+    covered[np.ix_(i, j)] |= (sides >= 0).all(0) | (sides <= 0).all(0)
+
+
+def _corners_and_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (m, 3, 3) of the faces and their normals (m, 3), twice as long as the face's area."""
+    corners = vertices[faces]
+    return corners, np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
+def _lowest_surface(heights: np.ndarray, areas: np.ndarray) -> float | None:
+    """Mean height of the lowest bin with enough area of level faces."""
+    bins = np.floor(heights / HEIGHT_BIN).astype(np.int64)
+    for k in np.unique(bins):
+        near = np.abs(heights - (k + 0.5) * HEIGHT_BIN) <= HEIGHT_BIN
+        if areas[near].sum() >= MIN_FLOOR_AREA:
+            return float(np.average(heights[near], weights=areas[near]))
     return None
 
 
-def _above(mesh: Mesh, height: float) -> Solid | None:
-    """What a robot can touch: every face that reaches higher than `height`."""
+# ---- fixture -------------------------------------------------------------------------------------
+
+
+def _collision_solid(mesh: Mesh, height: float) -> Solid | None:
+    """The faces that reach higher than `height`, or None if there are none."""
     faces = mesh.faces[(mesh.vertices[mesh.faces, 2] > height).any(1)]
-    return (
-        Solid("mesh", vertices=mesh.vertices, faces=np.ascontiguousarray(faces))
-        if len(faces)
-        else None
-    )
+    if not len(faces):
+        return None
+    return Solid("mesh", vertices=mesh.vertices, faces=np.ascontiguousarray(faces))
 
 
 def _parts(mesh: Mesh, colours: np.ndarray | None) -> list[Part]:
+    """Split the mesh into parts of similar colour; `colours` is float64 (m, 3) in [0, 1]."""
     if colours is None:
         return [Part(mesh, GREY, "plaster")]
-    shades = np.minimum((colours * SHADES).astype(np.int64), SHADES - 1) @ (
-        SHADES * SHADES,
-        SHADES,
-        1,
-    )
+    levels = np.minimum((colours * COLOUR_LEVELS).astype(np.int64), COLOUR_LEVELS - 1)
+    bins = levels @ (COLOUR_LEVELS * COLOUR_LEVELS, COLOUR_LEVELS, 1)
     parts = []
-    for shade in np.unique(shades):
-        chosen = shades == shade
-        colour: Vector = tuple(float(c) for c in colours[chosen].mean(0))  # type: ignore[assignment]
+    for k in np.unique(bins):
+        chosen = bins == k
+        colour = as_vector(float(c) for c in colours[chosen].mean(0))
         used, faces = np.unique(mesh.faces[chosen], return_inverse=True)
-        parts.append(
-            Part(
-                Mesh(mesh.vertices[used], faces.reshape(-1, 3).astype(np.int32), mesh.uv[chosen]),
-                colour,
-                "plaster",
-            )
-        )
+        faces = faces.reshape(-1, 3).astype(np.int32)
+        parts.append(Part(Mesh(mesh.vertices[used], faces, mesh.uv[chosen]), colour, "plaster"))
     return parts

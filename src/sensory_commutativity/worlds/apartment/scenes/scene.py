@@ -1,11 +1,13 @@
-"""What an apartment consists of, whoever describes it: a floor plan, a mesh file, a test.
+"""Data model of an apartment, shared by floor plans, mesh files and tests.
 
-Lengths are metres, angles radians, masses kilograms; x and y lie in the floor, z points up, the floor is at z = 0. Rotations are quaternions
-(x, y, z, w). Everything here is data: :mod:`.camera` draws the parts, :mod:`.simulation` collides the solids.
+Units are metres, radians and kilograms. The floor is the plane z = 0 with z up. Rotations are
+quaternions (x, y, z, w). These classes only hold data: :mod:`..rendering.camera` draws the parts
+and :mod:`.scenery` builds collision bodies from the solids.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -17,22 +19,28 @@ Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 UPRIGHT: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
+SEGMENTATION_IDS = dict(nothing=0, movable=1, fixture=10_001, robot=1_000_000)
+"""Values of a segmentation image: `nothing` is background, `movable` + i the i-th movable object,
+`fixture` + i the i-th fixture, and `robot` every link of the robot."""
+
 
 class SceneError(UserError):
-    """A scene's file is not valid."""
+    """A scene file is not valid."""
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangles with texture coordinates.
+    """A textured triangle mesh.
 
     Attributes
     ----------
-    vertices : float64 (n, 3), metres
+    vertices : float64 (n, 3)
+        Metres.
     faces : int32 (m, 3)
-        Vertices of each triangle, counter-clockwise seen from outside: the other side is not drawn.
+        Vertex indices of each triangle, counter-clockwise seen from outside. Back faces are not
+        drawn.
     uv : float32 (m, 3, 2)
-        Texture coordinates of each triangle's corners; a texture repeats with period 1.
+        Texture coordinates of the corners of each triangle. Textures repeat with period 1.
     """
 
     vertices: np.ndarray
@@ -42,55 +50,65 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Part:
-    """A visible piece: a mesh, already in the frame of what it belongs to, in one colour or with a texture tinted by it."""
+    """A visible mesh in the frame of its owner, with one colour or a texture tinted by it."""
 
     mesh: Mesh
     colour: Vector  # red, green, blue in [0, 1]
-    texture: str = ""  # a name in textures.TEXTURES; empty: plain
+    texture: str = ""  # a name in textures.TEXTURES, or empty for a plain colour
 
 
 @dataclass(frozen=True)
 class Solid:
-    """A collision shape, in the frame of what it belongs to.
+    """A collision shape in the frame of its owner.
 
-    `size` is (half x, half y, half z) of a box, (radius, half height) of an upright cylinder, (radius,) of a sphere; empty for the others. A hull is
-    the convex hull of `vertices`; a mesh, which only what never moves may have, is `vertices` and `faces` as they are.
+    Attributes
+    ----------
+    kind : {"box", "cylinder", "sphere", "hull", "mesh"}
+        A hull is the convex hull of `vertices`. A mesh is the triangles `faces` over `vertices`;
+        only fixtures may have one.
+    size : tuple of float
+        Metres: half extents (x, y, z) of a box, (radius, half height) of an upright cylinder,
+        (radius,) of a sphere; empty for hulls and meshes.
+    position, rotation
+        Pose in the frame of the owner.
+    vertices : float64 (n, 3) or None
+    faces : int32 (m, 3) or None
     """
 
     kind: Literal["box", "cylinder", "sphere", "hull", "mesh"]
     size: tuple[float, ...] = ()
     position: Vector = (0.0, 0.0, 0.0)
     rotation: Quaternion = UPRIGHT
-    vertices: np.ndarray | None = None  # float64 (n, 3)
-    faces: np.ndarray | None = None  # int32 (m, 3)
+    vertices: np.ndarray | None = None
+    faces: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
 class Fixture:
-    """Something that never moves: a wall, a table, a whole scanned room. Parts and solids are in the frame of the world."""
+    """A static object: a wall, a table, a scanned room. Its frame is the world frame."""
 
     name: str
     parts: tuple[Part, ...]
     solids: tuple[Solid, ...]
-    overhead: bool = False  # ceilings and lintels, left out of views from above
+    overhead: bool = False  # ceilings and lintels, which views from above leave out
 
 
 @dataclass(frozen=True)
 class Movable:
-    """Something that can be pushed. Parts and solids are in its own frame, whose origin is its centre of mass."""
+    """An object that can be pushed. The origin of its frame is its centre of mass."""
 
     name: str
     category: str  # box, can, bottle, mug, ball, bowl, ...
     mass: float
     parts: tuple[Part, ...]
     solids: tuple[Solid, ...]
-    position: Vector  # where it stands
+    position: Vector  # initial pose in the world
     rotation: Quaternion = UPRIGHT
 
 
 @dataclass(frozen=True)
 class Area:
-    """A rectangle of floor in which a robot may start."""
+    """An axis-aligned rectangle of floor in which a robot may start: (low, high) in metres."""
 
     name: str
     x: tuple[float, float]
@@ -105,8 +123,10 @@ class Scene:
     fixtures: tuple[Fixture, ...]
     movables: tuple[Movable, ...]
     areas: tuple[Area, ...]
-    solid_floor: bool = True  # a ground plane at z = 0 carries what falls
+    solid_floor: bool = True  # whether a ground plane at z = 0 supports the objects
 
 
-IDENTITIES = dict(nothing=0, movable=1, fixture=10_001, robot=1_000_000)
-"""What a camera's id image holds: `movable` + i for the i-th movable, `fixture` + i for the i-th fixture, `robot` for every link."""
+def as_vector(values: Iterable[float]) -> Vector:
+    """Return three numbers as a tuple."""
+    x, y, z = values
+    return x, y, z

@@ -1,12 +1,14 @@
-"""What PyBullet makes of a scene: bodies for the fixtures, a body for every movable object, a floor.
+"""Collision bodies of a scene in PyBullet: a floor, the fixtures and the movable objects.
 
-No body, and no link of a body, has more than one collision shape: of two things that touch at several shapes, Bullet treats the contacts in an order
-that depends on what happened before, and a replay would not be exact.
+No body, and no link of a body, has more than one collision shape. When two bodies touch at several
+shapes, Bullet processes the contacts in an order that depends on its history, and a replay would
+not be exact.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -15,77 +17,110 @@ import pybullet
 from ....errors import UserError
 from .. import frames as fr
 from .scene import Movable, Scene, Solid
-from .shapes import shape_file
+from .shapes import write_shape
 
-FRICTION = 0.6  # of two things; chosen: wood on wood is 0.25 to 0.5, rubber and cardboard are more. PyBullet multiplies the values of both
-ROLLING_FRICTION = 0.005  # metres; chosen: a ball that is pushed comes to rest within seconds
-SPINNING_FRICTION = 0.002  # metres; chosen: two thirds of the radius of a contact patch of 3 mm
+FRICTION = 0.6
+"""Friction coefficient between two bodies; chosen: wood on wood has 0.25 to 0.5, rubber and
+cardboard more. PyBullet multiplies the values of both bodies."""
+ROLLING_FRICTION = 0.005
+"""Metres; chosen: a ball that is pushed comes to rest within seconds."""
+SPINNING_FRICTION = 0.002
+"""Metres; chosen: two thirds of the radius of a contact patch of 3 mm."""
 WEIGHTLESS = 1e-4
-"""Kilograms of a link that only carries a collision shape; chosen: nothing beside whatever it is part of."""
+"""Kilograms: mass of a link that only carries a collision shape; chosen: negligible beside the
+body that it belongs to."""
 
 
 @dataclass(frozen=True)
 class Scenery:
-    """PyBullet's numbers of the bodies of a scene."""
+    """PyBullet body ids of a scene.
+
+    Attributes
+    ----------
+    floor : int or None
+    fixtures : dict
+        Body id -> index of the fixture. A fixture has one body for each of its solids.
+    movables : tuple of int
+        One body for each movable object, in the order of the scene.
+    """
 
     floor: int | None
-    fixtures: dict[int, int]  # body -> index of the fixture; a fixture has as many bodies as solids
+    fixtures: dict[int, int]
     movables: tuple[int, ...]
 
 
 def build_scenery(client: int, scene: Scene) -> Scenery:
-    """Put the floor, the fixtures and the movable objects of `scene` into PyBullet's world `client`. Raises UserError."""
-    # Without a visual shape PyBullet makes one from the collision shape, as large as that; none is ever drawn.
-    unseen = pybullet.createVisualShape(pybullet.GEOM_SPHERE, radius=1e-3, physicsClientId=client)
+    """Add the bodies of a scene to a PyBullet world.
 
-    def static(shape: int) -> int:
-        # A rigid body that sleeps costs little, and what sleeps on it less. Movable objects are multibodies: as such bodies, replays were not exact.
-        body = pybullet.createMultiBody(
-            0, shape, unseen, useMaximalCoordinates=True, physicsClientId=client
-        )
-        pybullet.changeDynamics(
-            body,
-            -1,
-            lateralFriction=FRICTION**0.5,
-            activationState=pybullet.ACTIVATION_STATE_SLEEP,
-            physicsClientId=client,
-        )
-        return body
+    Parameters
+    ----------
+    client : int
+        PyBullet's physics client id.
+    scene : Scene
 
-    floor = (
-        static(pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client))
-        if scene.solid_floor
-        else None
-    )
+    Raises
+    ------
+    UserError
+        A movable object has no solid, or a solid that cannot move.
+    """
+    # Without a visual shape PyBullet derives one from the collision shape. None is ever rendered.
+    dummy = pybullet.createVisualShape(pybullet.GEOM_SPHERE, radius=1e-3, physicsClientId=client)
+    floor = None
+    if scene.solid_floor:
+        plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
+        floor = _add_static(client, plane, dummy)
     fixtures = {
-        static(_shape(client, solid)): i
+        _add_static(client, _create_shape(client, solid), dummy): i
         for i, fixture in enumerate(scene.fixtures)
         for solid in fixture.solids
     }
-    return Scenery(
-        floor,
-        fixtures,
-        tuple(_movable(client, scene, movable, unseen) for movable in scene.movables),
+    movables = tuple(_add_movable(client, scene, movable, dummy) for movable in scene.movables)
+    return Scenery(floor, fixtures, movables)
+
+
+def _add_static(client: int, shape: int, visual: int) -> int:
+    # A sleeping rigid body is cheap, and so is what sleeps on it. Movable objects are multibodies
+    # instead: replays with movable rigid bodies were not exact.
+    body = pybullet.createMultiBody(
+        0, shape, visual, useMaximalCoordinates=True, physicsClientId=client
     )
+    pybullet.changeDynamics(
+        body,
+        -1,
+        lateralFriction=FRICTION**0.5,
+        activationState=pybullet.ACTIVATION_STATE_SLEEP,
+        physicsClientId=client,
+    )
+    return body
 
 
-def _movable(client: int, scene: Scene, movable: Movable, unseen: int) -> int:
+def _add_movable(client: int, scene: Scene, movable: Movable, visual: int) -> int:
     if not movable.solids or any(solid.kind == "mesh" for solid in movable.solids):
         raise UserError(
             f"scene {scene.name!r}: the movable object {movable.name!r} must have a solid, "
             "and none that is a mesh; use boxes, cylinders, spheres or hulls"
         )
-    shapes = [_shape(client, solid) for solid in movable.solids]
-    further = len(shapes) - 1
+    shapes = [_create_shape(client, solid) for solid in movable.solids]
+    n = len(shapes) - 1  # the base has the first shape, every further shape has a fixed link
     body = pybullet.createMultiBody(
-        movable.mass, shapes[0], unseen, movable.position, movable.rotation,
-        linkMasses=[WEIGHTLESS] * further, linkCollisionShapeIndices=shapes[1:], linkVisualShapeIndices=[unseen] * further,
-        linkPositions=[(0, 0, 0)] * further, linkOrientations=[(0, 0, 0, 1)] * further,
-        linkInertialFramePositions=[(0, 0, 0)] * further, linkInertialFrameOrientations=[(0, 0, 0, 1)] * further,
-        linkParentIndices=[0] * further, linkJointTypes=[pybullet.JOINT_FIXED] * further, linkJointAxis=[(0, 0, 1)] * further,
+        movable.mass,
+        shapes[0],
+        visual,
+        movable.position,
+        movable.rotation,
+        linkMasses=[WEIGHTLESS] * n,
+        linkCollisionShapeIndices=shapes[1:],
+        linkVisualShapeIndices=[visual] * n,
+        linkPositions=[(0, 0, 0)] * n,
+        linkOrientations=[(0, 0, 0, 1)] * n,
+        linkInertialFramePositions=[(0, 0, 0)] * n,
+        linkInertialFrameOrientations=[(0, 0, 0, 1)] * n,
+        linkParentIndices=[0] * n,
+        linkJointTypes=[pybullet.JOINT_FIXED] * n,
+        linkJointAxis=[(0, 0, 1)] * n,
         physicsClientId=client,
-    )  # fmt: skip
-    for link in range(-1, further):
+    )
+    for link in range(-1, n):
         pybullet.changeDynamics(
             body,
             link,
@@ -97,60 +132,49 @@ def _movable(client: int, scene: Scene, movable: Movable, unseen: int) -> int:
     pybullet.changeDynamics(
         body, -1, activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING, physicsClientId=client
     )
-    if further:  # PyBullet would take the first shape's inertia for the whole; of a single shape it takes the right one
-        corners = np.concatenate([_bounds(solid) for solid in movable.solids])
-        x, y, z = (
-            np.ptp(corners, axis=0) ** 2 * movable.mass / 12
-        )  # of a box as large as the object
-        pybullet.changeDynamics(
-            body, -1, localInertiaDiagonal=(y + z, x + z, x + y), physicsClientId=client
-        )
+    if n:  # PyBullet would give the whole body the inertia of its first shape
+        points = np.concatenate([_span_points(solid) for solid in movable.solids])
+        x, y, z = np.ptp(points, axis=0) ** 2 * movable.mass / 12  # of the bounding box
+        inertia = (y + z, x + z, x + y)
+        pybullet.changeDynamics(body, -1, localInertiaDiagonal=inertia, physicsClientId=client)
     return body
 
 
-def _bounds(solid: Solid) -> np.ndarray:
-    """Points that span a solid, in the frame of what it belongs to: float64 (n, 3)."""
+def _span_points(solid: Solid) -> np.ndarray:
+    """Points whose bounding box is that of the solid, in the frame of its owner: float64 (n, 3)."""
     if solid.vertices is not None:
         points = solid.vertices
     else:
-        half = (
-            {"box": solid.size, "cylinder": (solid.size[0], *solid.size), "sphere": solid.size * 3}[
-                solid.kind
-            ]
-            if solid.size
-            else (0.0,) * 3
-        )
-        points = np.array(
-            [
-                [x, y, z]
-                for x in (-half[0], half[0])
-                for y in (-half[1], half[1])
-                for z in (-half[2], half[2])
-            ]
-        )
+        size = solid.size
+        half: tuple[float, ...] = (0.0,) * 3
+        if size and solid.kind == "box":
+            half = size
+        elif size:
+            half = {"cylinder": (size[0], *size), "sphere": size * 3}[solid.kind]
+        points = np.array(list(product(*((-extent, extent) for extent in half))))
     return fr.apply(fr.from_quaternion(solid.position, solid.rotation), points)
 
 
-def _shape(client: int, solid: Solid) -> int:
-    """The collision shape of a solid, in the frame of what it belongs to."""
-    at: dict[str, Any] = dict(
+def _create_shape(client: int, solid: Solid) -> int:
+    """Create the collision shape of a solid, in the frame of its owner."""
+    options: dict[str, Any] = dict(
         collisionFramePosition=solid.position,
         collisionFrameOrientation=solid.rotation,
         physicsClientId=client,
     )
     if solid.kind == "box":
-        return pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=solid.size, **at)
+        return pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=solid.size, **options)
     if solid.kind == "cylinder":
+        radius, half_height = solid.size
         return pybullet.createCollisionShape(
-            pybullet.GEOM_CYLINDER, radius=solid.size[0], height=2 * solid.size[1], **at
+            pybullet.GEOM_CYLINDER, radius=radius, height=2 * half_height, **options
         )
     if solid.kind == "sphere":
-        return pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=solid.size[0], **at)
+        return pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=solid.size[0], **options)
+    assert solid.vertices is not None
     if solid.kind == "hull":
-        return pybullet.createCollisionShape(
-            pybullet.GEOM_MESH, fileName=str(shape_file(solid.vertices)), **at
-        )  # type: ignore[arg-type]
-    file = str(shape_file(solid.vertices, solid.faces))  # type: ignore[arg-type]
-    return pybullet.createCollisionShape(
-        pybullet.GEOM_MESH, fileName=file, flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH, **at
-    )
+        file = write_shape(solid.vertices)
+    else:
+        file = write_shape(solid.vertices, solid.faces)
+        options["flags"] = pybullet.GEOM_FORCE_CONCAVE_TRIMESH
+    return pybullet.createCollisionShape(pybullet.GEOM_MESH, fileName=str(file), **options)

@@ -1,7 +1,8 @@
-"""Collision shapes as the files that PyBullet reads, made once and kept between processes.
+"""Collision shapes as OBJ files for PyBullet, cached between processes.
 
-Kept files lie in the user's cache folder (:func:`.folders.cache_folder`) under names that follow from what is in
-them, so they never go stale, and any number of processes may make the same one at the same time.
+Cached files are in the user's cache folder (:func:`....storage.folders.cache_folder`) under names
+derived from their content. They never go stale, and several processes may write the same one at the
+same time.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -18,81 +20,104 @@ from scipy.spatial import ConvexHull, QhullError
 
 from ....storage.folders import cache_folder
 
-MOST_HULL_POINTS = 64
-"""Corners of a convex hull; chosen: the collision test's time grows with them, and 64 keep a robot's link to about 3 % of its size."""
-THINNEST = 1e-3
-"""Metres: what is flat is collided as if this thick; chosen: PyBullet's own collision margin of a URDF's shapes."""
+MAX_HULL_POINTS = 64
+"""Vertices of a convex hull; chosen: collision time grows with them, and with 64 the hull of a
+robot link keeps its size to within about 3 %."""
+MIN_THICKNESS = 1e-3
+"""Metres: thickness at which flat shapes collide; chosen: PyBullet's own collision margin of the
+shapes of a URDF."""
 
 
-def kept(kind: str, content: hashlib._Hash, make: Callable[[Path], None]) -> Path:
-    """The folder `kind`-`content`; if there is none, `make` fills a temporary one that then takes its name."""
+def ensure_cached(kind: str, content: hashlib._Hash, build: Callable[[Path], None]) -> Path:
+    """Return the cache folder of some content, and build it first if it does not exist.
+
+    Parameters
+    ----------
+    kind : str
+        Prefix of the folder's name.
+    content : hash object
+        Hash of everything that the files depend on.
+    build : callable
+        Writes the files into a temporary folder, which is then renamed.
+    """
     folder = cache_folder("apartment", f"{kind}-{content.hexdigest()[:32]}")
     if folder.is_dir():
         return folder
     folder.parent.mkdir(parents=True, exist_ok=True)
     temporary = Path(tempfile.mkdtemp(prefix=".part-", dir=folder.parent))
     try:
-        make(temporary)
+        build(temporary)
         os.rename(temporary, folder)
     except OSError:
-        if not folder.is_dir():  # unless another process was first
+        if not folder.is_dir():  # unless another process was faster
             raise
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
     return folder
 
 
-def hull_points(points: np.ndarray, most: int = MOST_HULL_POINTS) -> np.ndarray:
-    """Corners of the convex hull of `points`, float64 (n, 3): at most `most`, those farthest in evenly spread directions if it has more."""
+def hull_points(points: np.ndarray, max_points: int = MAX_HULL_POINTS) -> np.ndarray:
+    """Return at most `max_points` vertices of a convex hull.
+
+    A larger hull is reduced to its extreme vertices in evenly spread directions. Flat points give
+    the corners of their bounding box, at least MIN_THICKNESS thick.
+
+    Parameters
+    ----------
+    points : float64 (n, 3)
+
+    Returns
+    -------
+    float64 (m, 3)
+    """
     points = np.unique(np.asarray(points, np.float64), axis=0)
     try:
         corners = points[np.sort(ConvexHull(points).vertices)]
-    except (QhullError, ValueError):  # flat, or too few
-        low, high = points.min(0) - THINNEST / 2, points.max(0) + THINNEST / 2
-        return np.array(
-            [
-                [x, y, z]
-                for x in (low[0], high[0])
-                for y in (low[1], high[1])
-                for z in (low[2], high[2])
-            ]
-        )
-    if len(corners) <= most:
+    except (QhullError, ValueError):  # flat, or fewer than four points
+        low, high = points.min(0) - MIN_THICKNESS / 2, points.max(0) + MIN_THICKNESS / 2
+        return np.array(list(product(*zip(low, high, strict=True))))
+    if len(corners) <= max_points:
         return corners
-    turn = np.arange(most) * np.pi * (1 + 5**0.5)  # a Fibonacci spiral on the sphere
-    z = 1 - (2 * np.arange(most) + 1) / most
-    directions = np.stack(
-        [np.cos(turn) * np.sqrt(1 - z * z), np.sin(turn) * np.sqrt(1 - z * z), z], 1
-    )
+    angle = np.arange(max_points) * np.pi * (1 + 5**0.5)  # a Fibonacci spiral on the sphere
+    z = 1 - (2 * np.arange(max_points) + 1) / max_points
+    radius = np.sqrt(1 - z * z)
+    directions = np.stack([np.cos(angle) * radius, np.sin(angle) * radius, z], 1)
     return corners[np.unique((corners @ directions.T).argmax(0))]
 
 
-def write_points(path: Path, points: np.ndarray) -> None:
-    """An OBJ file that PyBullet reads as the convex hull of `points`, float64 (n, 3).
+def write_hull_obj(path: Path, points: np.ndarray) -> None:
+    """Write an OBJ file that PyBullet reads as the convex hull of `points`, float64 (n, 3).
 
-    PyBullet takes the corners of all faces, each as often as it occurs, so every point is in one face only (the last face repeats some).
+    PyBullet collects the corners of all faces with repetitions, so each point occurs in one face
+    only (except that the last face is filled up).
     """
     order = np.resize(np.arange(len(points)), 3 * -(-len(points) // 3)).reshape(-1, 3)
-    write_triangles(path, points, order)
+    write_triangles_obj(path, points, order)
 
 
-def write_triangles(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
-    """An OBJ file of triangles: float64 (n, 3) and int (m, 3)."""
+def write_triangles_obj(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
+    """Write triangles to an OBJ file: float64 (n, 3) and int (m, 3)."""
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in np.asarray(vertices, np.float64).tolist()]
     lines += [f"f {a} {b} {c}" for a, b, c in (np.asarray(faces) + 1).tolist()]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
 
 
-def shape_file(vertices: np.ndarray, faces: np.ndarray | None = None) -> Path:
-    """A kept OBJ file of the convex hull of `vertices`, float64 (n, 3), or with `faces`, int32 (m, 3), of these triangles."""
-    content = hashlib.sha256(b"1")  # the format's version
+def write_shape(vertices: np.ndarray, faces: np.ndarray | None = None) -> Path:
+    """Return a cached OBJ file of triangles, or of a convex hull if `faces` is None.
+
+    Parameters
+    ----------
+    vertices : float64 (n, 3)
+    faces : int32 (m, 3), optional
+    """
+    content = hashlib.sha256(b"1")  # version of the format
     content.update(np.ascontiguousarray(vertices, np.float64).tobytes())
     content.update(b"" if faces is None else np.ascontiguousarray(faces, np.int32).tobytes())
 
-    def make(folder: Path) -> None:
+    def build(folder: Path) -> None:
         if faces is None:
-            write_points(folder / "shape.obj", hull_points(vertices))
+            write_hull_obj(folder / "shape.obj", hull_points(vertices))
         else:
-            write_triangles(folder / "shape.obj", vertices, faces)
+            write_triangles_obj(folder / "shape.obj", vertices, faces)
 
-    return kept("shape", content, make) / "shape.obj"
+    return ensure_cached("shape", content, build) / "shape.obj"

@@ -1,0 +1,39 @@
+"""Training curves of the models that find what changed (paper, section IV-A, "Architecture and
+training")."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ....storage.columns import FLOAT, INT, Column
+from ...config import Config
+from ...declarations import Shards, table
+from ..builders import trained_models, training_settings
+from ..columns import MODEL
+
+
+@table(
+    title="Training curves of the mask models",
+    columns=(
+        MODEL,
+        Column("step", INT, "1", "training steps done", key=True),
+        Column("samples", INT, "1", "pairs shown, with repetitions"),
+        Column("learning_rate", FLOAT, "1", "at that step"),
+        Column("loss", FLOAT, "1", "mean since the previous row", nullable=True),
+        Column(
+            "accuracy", FLOAT, "1",
+            "of the three outcomes on the validation pairs, with default decision thresholds",
+            nullable=True,
+        ),
+        Column(
+            "iou", FLOAT, "1",
+            "mean intersection over union on the validation pairs in which something moved",
+            nullable=True,
+        ),
+    ),
+    inputs=["mask_pairs/training", "mask_pairs/validation"],
+    shards=Shards(runs=trained_models, settings=training_settings),
+)  # fmt: skip
+def mask_curves(config: Config, run: str) -> Any:
+    """The curve of one model, which training writes (``train mask_training``)."""
+    raise ValueError("training curves are written by training: train mask_training")

@@ -1,0 +1,146 @@
+"""All declarations, found by the names of their modules; none is registered by hand."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import pkgutil
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+from .. import __version__
+from ..errors import UserError
+from ..storage.hashing import digest
+from .config import Config
+from .declarations import Animation, Arrays, Figure, Model, Product, Shard, Table
+
+STUDIES = ("flatland", "apartment", "objects", "navigation", "paper")
+KINDS: dict[type[Product], str] = {
+    Table: "table", Arrays: "arrays", Model: "model", Figure: "figure", Animation: "animation"
+}  # fmt: skip
+P = TypeVar("P", bound=Product)
+
+
+@cache
+def _modules(folder: str) -> dict[str, str]:
+    """Module name -> study, of all modules in ``studies/STUDY/FOLDER/``, in order."""
+    root = Path(__file__).parent
+    return {
+        module.name: study
+        for study in STUDIES
+        for module in pkgutil.iter_modules([str(root / study / folder)])
+    }
+
+
+@cache
+def _load(folder: str, name: str) -> Product:
+    module = f".{_modules(folder)[name]}.{folder}.{name}"
+    return getattr(importlib.import_module(module, __package__), name)
+
+
+@cache
+def declarations(kind: type[P]) -> dict[str, P]:
+    """All declarations of a kind by name: :class:`.Table`, :class:`.Arrays`, :class:`.Model`,
+    :class:`.Figure` or :class:`.Animation`."""
+    folders = ("figures",) if kind in (Figure, Animation) else ("tables", "data")
+    found = {name: _load(folder, name) for folder in folders for name in _modules(folder)}
+    return {name: product for name, product in found.items() if isinstance(product, kind)}
+
+
+def table_names() -> tuple[str, ...]:
+    """Names of all tables, study by study."""
+    return tuple(_modules("tables"))
+
+
+def find(kind: type[P], name: str) -> P:
+    """The declaration of this kind and name. Raises UserError with names that are close."""
+    folders = ("figures",) if kind in (Figure, Animation) else ("tables", "data")
+    for folder in folders:
+        if name in _modules(folder):
+            product = _load(folder, name)
+            if isinstance(product, kind):
+                return product
+    close = difflib.get_close_matches(name, declarations(kind), 3)
+    command = KINDS[kind]
+    hint = f"did you mean {' or '.join(close)}?" if close else f"see: {command} --list"
+    raise UserError(f"there is no {command} {name!r}; {hint}")
+
+
+def find_table(name: str) -> Table:
+    """The declaration of the table `name`. Raises UserError."""
+    return find(Table, name)
+
+
+def find_product(name: str) -> Product:
+    """The declaration of a table, arrays, model, figure or animation. Raises LookupError."""
+    for folder in ("tables", "data", "figures"):
+        if name in _modules(folder):
+            return _load(folder, name)
+    raise LookupError(f"nothing of the name {name!r} is declared")
+
+
+def find_input(specification: str) -> tuple[Product, str | None, str | None]:
+    """What an input names: the product, and the run and the part if it names one.
+
+    The forms are ``NAME``, ``NAME/RUN`` and ``NAME/RUN:PART``.
+    """
+    name, _, run = specification.partition("/")
+    run, _, part = run.partition(":")
+    return find_product(name), run or None, part or None
+
+
+def input_shards(
+    product: Product, config: Config, shard: Shard | None
+) -> list[tuple[Product, list[Shard | None]]]:
+    """What `product`, or a shard of it, is computed from.
+
+    Returns
+    -------
+    list
+        For every input its declaration, and the shards that are read; ``[None]`` for a file that
+        holds all of it.
+    """
+    found: list[tuple[Product, list[Shard | None]]] = []
+    for specification in product.input_names(config, shard.run if shard else None):
+        if shard is not None:
+            specification = specification.replace("{part}", shard.part)
+        source, run, part = find_input(specification)
+        shards: list[Shard | None] = [None]
+        whole = isinstance(source, Table) and not source.shards_only
+        if source.shards is not None and (run is not None or not whole):
+            chosen = source.shards.of_run(config, run) if run else source.shards.all(config)
+            shards = [one for one in chosen if part is None or one.part == part]
+        found.append((source, shards))
+    return found
+
+
+_digests: dict[tuple[str, str, str | None], str] = {}
+
+
+def settings_digest(product: Product, config: Config, run: str | None = None) -> str:
+    """Hash of everything that determines a product, or the units of one of its runs.
+
+    That is the version of the package, the root seed, its own settings, and all of that for its
+    inputs. How work is cut into jobs is not part of it.
+    """
+    key = (config.digest(), product.name, run)
+    if key not in _digests:
+        _digests[key] = _settings_digest(product, config, run)
+    return _digests[key]
+
+
+def _settings_digest(product: Product, config: Config, run: str | None) -> str:
+    own: list[Any] = [__version__, config.seed, product.name, product.settings(config)]
+    if product.shards is not None and run is None:
+        runs = product.shards.runs(config)
+        return digest(*own, [[r, n, settings_digest(product, config, r)] for r, n in runs.items()])
+    if product.shards is not None and run is not None:
+        own += [run, product.shards.settings(config, run)]
+    inputs = []
+    for specification in product.input_names(config, run):
+        source, source_run, _ = find_input(specification)
+        inputs.append(settings_digest(source, config, source_run))
+        if source.shards is not None and source_run is not None:
+            inputs.append(source.shards.runs(config)[source_run])
+    return digest(*own, inputs)

@@ -1,0 +1,267 @@
+"""Computing what is declared: the one place where tables, arrays and models are read and written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from ..errors import TableError, UserError
+from ..storage.batches import compute_in_batches, remove_batches
+from ..storage.tables import read_metadata, read_table, write_table
+from .config import Config
+from .declarations import Animation, Arrays, Batched, Expected, Figure, Model, Product, Shard, Table
+from .provenance import provenance
+from .registry import input_shards, settings_digest
+
+SETTINGS = "settings_sha256"
+"""Metadata key of :func:`.registry.settings_digest`."""
+UNITS = "units"
+"""Metadata key of the units in a shard, ``START-STOP``."""
+RERUN = "run the workflow again"
+
+
+def write_product(
+    product: Product,
+    config: Config,
+    inputs: Sequence[Path],
+    out: Path,
+    shard: Shard | None = None,
+    curve: Path | None = None,
+) -> None:
+    """Compute a table, arrays, a model, a figure or an animation, and write it.
+
+    Parameters
+    ----------
+    product : Product
+    config : Config
+    inputs : sequence of Path
+        All files that the declaration names, in any order; recognized by their file names.
+    out : Path
+        File to write.
+    shard : Shard, optional
+        Compute this shard alone. For a model or an animation: its run.
+    curve : Path, optional
+        File for the training curve of a model.
+
+    Raises
+    ------
+    UserError
+        If an input is missing, superfluous, damaged, incomplete, or was computed with other
+        settings.
+    """
+    if isinstance(product, Table) and product.shards is not None and shard is None:
+        _gather(product, config, inputs, out)
+        return
+    files = match_inputs(product, config, inputs, shard)
+    values = [_read_input(source, config, paths) for source, paths in files]
+    sources = [path for _, paths in files for path in paths]
+    if isinstance(product, Table):
+        _write_table(product, config, values, sources, out, shard)
+    elif isinstance(product, Arrays):
+        from ..storage.arrays import write_arrays  # imports h5py
+
+        content, texts = product.compute(*values, config, *([shard] if shard else []))
+        write_arrays(out, product.name, content, {**texts, **metadata_of(product, config, shard)})
+    elif isinstance(product, Model):
+        assert shard is not None
+        product.compute(*values, config, shard.run, [out, *([curve] if curve else [])])
+    elif isinstance(product, Animation):
+        product.compute(*values, config, shard.run if shard else None, out)
+    elif isinstance(product, Figure):
+        from .plotting import save_figure  # imports matplotlib
+
+        names = [source.name for source, _ in files]
+        save_figure(lambda: product.compute(dict(zip(names, values, strict=True)), config),
+                    out, config)  # fmt: skip
+
+
+def _write_table(
+    product: Table,
+    config: Config,
+    values: list[Any],
+    sources: list[Path],
+    out: Path,
+    shard: Shard | None,
+) -> None:
+    metadata = metadata_of(product, config, shard)
+    result = product.compute(*values, config, *([shard.run] if shard else []))
+    if isinstance(result, Batched):
+        assert shard is not None or result.units is not None
+        units = (0, result.units) if result.units is not None else (shard.start, shard.stop)
+        metadata |= result.metadata
+        frame = compute_in_batches(
+            out, product.name, product.columns, result.compute, units,
+            f"{metadata[SETTINGS]} {result.metadata}", result.size, sources, metadata,
+        )  # fmt: skip
+    else:
+        frame = result
+    write_table(out, product.name, product.columns, frame, metadata)
+    remove_batches(out)
+
+
+def write_shard(
+    product: Table, config: Config, run: str, frame: pd.DataFrame, path: Path
+) -> None:
+    """Write the rows of a run that is never cut, which something else than the table computed."""
+    assert product.shards is not None
+    (shard,) = product.shards.of_run(config, run)
+    write_table(
+        path, product.name, product.columns, frame, metadata_of(product, config, shard)
+    )
+
+
+def _gather(product: Table, config: Config, paths: Sequence[Path], out: Path) -> None:
+    """Concatenate all shards of a table, in order."""
+    assert product.shards is not None
+    shards = product.shards.all(config)
+    files = _match({product.file(shard).name: shard for shard in shards}, paths, product.name)
+    frame, extra = read_shards(product, config, [files[product.file(s).name] for s in shards])
+    if product.gather is not None:
+        frame = product.gather(frame)
+    check_complete(frame, product, config, out)
+    metadata = {**metadata_of(product, config, None), **extra}
+    write_table(out, product.name, product.columns, frame, metadata)
+
+
+def read_product(product: Table, config: Config, path: Path) -> pd.DataFrame:
+    """Read a whole table and check its key, its completeness and its provenance.
+
+    Raises
+    ------
+    TableError
+        With the file, what is wrong and the remedy.
+    """
+    frame = read_table(path, product.name, product.columns)
+    _check_settings(read_metadata(path), product, config, None, path)
+    check_complete(frame, product, config, path)
+    return frame
+
+
+def read_shards(
+    product: Table, config: Config, paths: Sequence[Path]
+) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Read shards of a table, and the metadata that they share apart from their provenance."""
+    assert product.shards is not None
+    shards = {product.file(shard).name: shard for shard in product.shards.all(config)}
+    frames = []
+    extra: dict[str, str] | None = None
+    for path in paths:
+        shard, metadata = shards[path.name], read_metadata(path) if path.is_file() else {}
+        frames.append(read_table(path, product.name, product.columns))
+        _check_settings(metadata, product, config, shard, path)
+        own = _own_metadata(metadata)
+        if extra is not None and own != extra:
+            raise TableError(
+                f"{path}: its {', '.join(own)} differ from those of {paths[0]}; "
+                f"delete the shards and {RERUN}"
+            )
+        extra = own
+    return pd.concat(frames, ignore_index=True), extra or {}
+
+
+def match_inputs(
+    product: Product, config: Config, paths: Sequence[Path], shard: Shard | None
+) -> list[tuple[Product, list[Path]]]:
+    """Find the files of every declared input among `paths`, by their names.
+
+    Raises
+    ------
+    UserError
+        If one is missing, given twice, or not declared.
+    """
+    declared = input_shards(product, config, shard)
+    wanted = {source.file(one).name: None for source, shards in declared for one in shards}
+    files = _match(wanted, paths, product.name)
+    return [
+        (source, [files[source.file(one).name] for one in shards]) for source, shards in declared
+    ]
+
+
+def _match(wanted: dict[str, Any], paths: Sequence[Path], name: str) -> dict[str, Path]:
+    """File name -> path, of exactly the names that are wanted."""
+    files: dict[str, Path] = {}
+    for path in paths:
+        if path.name not in wanted:
+            raise UserError(f"{path}: is no input of {name}; leave it out")
+        if path.name in files:
+            raise UserError(f"{path}: given twice as an input of {name}; give it once")
+        files[path.name] = path
+    missing = [file for file in wanted if file not in files]
+    if missing:
+        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+        raise UserError(f"{name} needs the input {missing[0]}{more}; give the path of each file")
+    return files
+
+
+def _read_input(source: Product, config: Config, paths: list[Path]) -> Any:
+    """A table as a DataFrame, a model as its path, arrays as the paths of their files."""
+    if isinstance(source, Table):
+        if paths[0].name == source.file().name:
+            return read_product(source, config, paths[0])
+        return read_shards(source, config, paths)[0]
+    if isinstance(source, Model) and len(paths) == 1:
+        return paths[0]
+    return paths
+
+
+def model_metadata(product: Model, config: Config, run: str) -> dict[str, str]:
+    """Provenance of the model of a run, with the hash of its settings."""
+    return {**provenance(config), SETTINGS: settings_digest(product, config, run)}
+
+
+def metadata_of(product: Product, config: Config, shard: Shard | None) -> dict[str, str]:
+    """Provenance of a product or a shard of it, with the hash of its settings."""
+    metadata = {
+        **provenance(config),
+        SETTINGS: settings_digest(product, config, shard.run if shard else None),
+    }
+    return metadata | ({UNITS: f"{shard.start}-{shard.stop}"} if shard else {})
+
+
+def _own_metadata(metadata: dict[str, str]) -> dict[str, str]:
+    """What a shard says of itself beside its provenance."""
+    known = {"table", "pandas", "profile", "config_sha256", "root_seed", SETTINGS, UNITS}
+    known |= {"git_commit", "python", "platform", "packages"}
+    return {key: value for key, value in metadata.items() if key not in known}
+
+
+def _check_settings(
+    metadata: dict[str, str], product: Product, config: Config, shard: Shard | None, path: Path
+) -> None:
+    expected = metadata_of(product, config, shard)
+    for key in (SETTINGS, UNITS):
+        if metadata.get(key) != expected.get(key):
+            reason = "settings" if key == SETTINGS else f"{key} ({metadata.get(key, 'none')})"
+            raise TableError(
+                f"{path}: was computed with other {reason} than this configuration has; "
+                f"delete it and {RERUN}"
+            )
+
+
+def check_complete(frame: pd.DataFrame, product: Table, config: Config, path: Path) -> None:
+    """Raise TableError if rows that the configuration asks for are missing, or others are there."""
+    if product.expected is None:
+        return
+    expected: Expected = product.expected(config)
+    sizes = frame.groupby(list(expected.columns), sort=False, dropna=False).size()
+    found = {key if isinstance(key, tuple) else (key,): int(n) for key, n in sizes.items()}
+    wrong = {
+        "missing": [key for key in expected.counts if key not in found],
+        "not part of the configuration": [key for key in found if key not in expected.counts],
+        "incomplete": [
+            key for key, n in expected.counts.items() if n is not None and found.get(key, n) != n
+        ],
+    }
+    for problem, keys in wrong.items():
+        if keys:
+            first = ", ".join(
+                f"{column} {value}" for column, value in zip(expected.columns, keys[0], strict=True)
+            )
+            more = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
+            raise TableError(
+                f"{path}: {len(keys)} of {len(expected.counts)} groups of rows {problem}: "
+                f"{first}{more}; delete it and {RERUN}"
+            )

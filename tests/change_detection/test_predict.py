@@ -1,0 +1,122 @@
+"""Prediction of picture files."""
+
+from __future__ import annotations
+
+import re
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sensory_commutativity.change_detection.predict import predict_files, resize_to_training
+from sensory_commutativity.change_detection.predictor import (
+    MaskPredictor,
+    Prediction,
+    PredictorError,
+)
+
+from .examples import make_pairs
+
+PAPER_RAFT = Path(__file__).resolve().parents[2] / "results/paper/models/masks/raft.predictor"
+
+
+@pytest.fixture
+def predictor(tmp_path):
+    path = tmp_path / "difference.predictor"
+    MaskPredictor("difference", None).save(path, {})
+    return path
+
+
+def with_huge_size(png: bytes) -> bytes:
+    """The PNG file with a header that claims 40,000 x 40,000 pixels."""
+    start = png.index(b"IHDR")
+    header = b"IHDR" + (40_000).to_bytes(4, "big") * 2 + png[start + 12 : start + 17]
+    return png[:start] + header + zlib.crc32(header).to_bytes(4, "big") + png[start + 21 :]
+
+
+def test_a_pair_of_files(predictor, tmp_path):
+    first, second = make_pairs(3).pictures[2]
+    Image.fromarray(first).save(tmp_path / "a.png")
+    Image.fromarray(second).save(tmp_path / "b.png")
+    out = tmp_path / "out.png"
+    said = predict_files(tmp_path / "a.png", tmp_path / "b.png", predictor, out)
+    assert said.startswith("moved: ") and said.endswith(f"; see {out}")
+    assert np.asarray(Image.open(out)).shape == (128, 256, 3)
+
+
+def test_files_that_cannot_be_predicted_are_refused(predictor, tmp_path):
+    second = make_pairs(3).pictures[2, 1]
+    for name, picture in (("a", second), ("tiny", second[:40]), ("small", second[:64])):
+        Image.fromarray(picture).save(tmp_path / f"{name}.png")
+    whole = (tmp_path / "a.png").read_bytes()
+    (tmp_path / "text.png").write_text("no picture")
+    (tmp_path / "damaged.png").write_bytes(whole[:60] + bytes(len(whole) - 60))
+    (tmp_path / "huge.png").write_bytes(with_huge_size(whole))
+    for first, second, message in (
+        ("a", "text", "cannot be read as a picture"),
+        ("a", "damaged", "cannot be read as a picture"),
+        ("a", "huge", "exceeds limit"),
+        ("a", "missing", "no such file"),
+        ("tiny", "tiny", "40 x 128 pixels; both sides must have at least 64"),
+        ("a", "small", "different sizes, 128 x 128 and 64 x 128"),
+    ):
+        paths = (tmp_path / f"{name}.png" for name in (first, second))
+        with pytest.raises(PredictorError, match=message):
+            predict_files(*paths, predictor, tmp_path / "out.png")
+
+
+def test_pictures_are_scaled_to_the_size_of_the_training():
+    for sides, scaled in (
+        ((128, 128), (128, 128)),
+        ((480, 640), (128, 160)),
+        ((3000, 2000), (192, 128)),
+        ((64, 300), (128, 608)),
+    ):
+        ramp = np.linspace(0, 255, sides[1]).astype(np.uint8)
+        resized = resize_to_training(np.tile(ramp[:, None], (sides[0], 1, 3)))
+        assert resized.shape == (*scaled, 3) and resized.dtype == np.uint8
+        assert np.abs(resized[0, :, 0] - np.linspace(0, 255, scaled[1])).max() < 4
+
+
+def test_masks_of_large_pictures_are_outlined_where_they_are(predictor, tmp_path, monkeypatch):
+    def predict(self, *pictures):
+        assert all(picture.shape == (128, 160, 3) for picture in pictures)
+        probabilities = np.zeros((2, 128, 160), np.float32)
+        probabilities[0, 32:64, 40:80] = 1
+        return Prediction("moved", probabilities)
+
+    monkeypatch.setattr(MaskPredictor, "predict", predict)
+    path, out = tmp_path / "a.png", tmp_path / "out.png"
+    Image.new("RGB", (1280, 1024)).save(path)
+    said = predict_files(path, path, predictor, out)
+    assert said.startswith("moved") and "0 in a.png" in said
+    drawn = np.asarray(Image.open(out))
+    assert drawn.shape == (1024, 2560, 3)
+    rows, columns = np.nonzero(drawn.any(2))
+    width = 8  # of the line around rows 256 to 512 and columns 320 to 640
+    assert (rows.min(), rows.max() + 1) == (256 - width, 512 + width)
+    assert (columns.min(), columns.max() + 1) == (320 - width, 640 + width)
+
+
+def test_the_trained_predictor_of_the_repository_finds_what_moved(tmp_path):
+    rng = np.random.default_rng(4)
+    wall = np.linspace(90, 160, 400)[:, None, None] * np.array([1.0, 0.9, 0.8])
+    empty = np.tile(wall, (1, 400, 1))
+    empty[260:] = (120, 90, 60)  # a table
+    first, second = empty.copy(), empty.copy()
+    first[200:300, 60:150] = second[200:300, 240:330] = (200, 40, 40)
+    for name, picture in (("first", first), ("second", second), ("repeated", first)):
+        noisy = np.clip(picture + rng.normal(0, 2, picture.shape), 0, 255)
+        Image.fromarray(noisy.astype(np.uint8)).save(tmp_path / f"{name}.png")
+    same, moved = (
+        predict_files(
+            tmp_path / "first.png", tmp_path / f"{name}.png", PAPER_RAFT, tmp_path / "out.png"
+        )
+        for name in ("repeated", "second")
+    )
+    assert same.startswith("identical") and moved.startswith("moved")
+    pixels = [int(number) for number in re.findall(r"(\d+) (?:pixels )?in", moved)]
+    assert len(pixels) == 2
+    assert all(7_000 < n < 11_500 for n in pixels), moved  # the object has 9,000
