@@ -44,10 +44,12 @@ replay: $(READY)  ## play 1,000 SC-experiments of the apartment again and compar
 test: $(READY)  ## run all tests
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadscope
 
-lint: $(READY)  ## check style of code and workflow
+lint: $(READY)  ## check style, types and the layers of the package
 	$(BIN)/ruff check src tests benchmarks
 	$(BIN)/ruff format --check src tests benchmarks
 	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/mypy
+	$(BIN)/lint-imports
 
 format: $(READY)  ## rewrite code and workflow in that style
 	$(BIN)/ruff check --fix src tests benchmarks

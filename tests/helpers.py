@@ -64,7 +64,7 @@ def drive(dof: str, value: float, steps: int) -> np.ndarray:
 
 
 def sample_held_commands(rng: np.random.Generator, steps: int, n_dofs: int) -> np.ndarray:
-    """Commands at full speed, each held for ten steps: the agent runs into things."""
+    """Commands at full speed, each held for ten steps: the agent runs into objects."""
     held = np.sign(rng.uniform(-1, 1, (math.ceil(steps / 10), n_dofs)))
     return np.repeat(held, 10, axis=0)[:steps]
 

@@ -13,8 +13,7 @@ from sensory_commutativity.change_detection.decision import (
     remove_small_components,
     tune_thresholds,
 )
-
-from .examples import DIFFERENT, IDENTICAL, MOVED
+from tests.change_detection.examples import DIFFERENT, IDENTICAL, MOVED
 
 
 def test_outcomes_by_hand():
@@ -28,16 +27,6 @@ def test_outcomes_by_hand():
     assert classify_outcomes(maps, DecisionThresholds(0.5, 0.7, 12)).tolist()[3] == MOVED
     # areas scale with the size of the pictures
     assert classify_outcomes(maps[:, :, ::2, ::2], thresholds).tolist()[:3] == expected[:3]
-
-
-def test_intersection_over_union_by_hand():
-    truth, maps = np.zeros((1, 2, 8, 8), bool), np.zeros((1, 2, 8, 8))
-    truth[0, 0, :4, :4] = True
-    maps[0, 0, :4, :2] = 0.6
-    iou = intersection_over_union(maps, truth)[0]
-    assert iou.tolist() == pytest.approx([0.5, np.nan], nan_ok=True)
-    maps[0, 1, 0, 0] = 1.0  # a prediction in an empty view counts against it
-    assert intersection_over_union(maps, truth)[0].tolist() == [0.5, 0.0]
 
 
 def test_small_components_are_removed_from_a_copy():
@@ -54,7 +43,14 @@ def test_small_components_are_removed_from_a_copy():
     assert (halved > 0.5).sum() == 2 * 2 + 2 * 2
 
 
-def test_thresholds_are_tuned_to_the_highest_accuracy():
+def test_scores_by_hand_and_thresholds_with_the_highest_accuracy():
+    truth, maps = np.zeros((1, 2, 8, 8), bool), np.zeros((1, 2, 8, 8))
+    truth[0, 0, :4, :4] = True
+    maps[0, 0, :4, :2] = 0.6
+    iou = intersection_over_union(maps, truth)[0]
+    assert iou.tolist() == pytest.approx([0.5, np.nan], nan_ok=True)
+    maps[0, 1, 0, 0] = 1.0  # a prediction in an empty view counts against it
+    assert intersection_over_union(maps, truth)[0].tolist() == [0.5, 0.0]
     maps = np.zeros((3, 2, 128, 128))
     maps[1] = 0.45
     maps[2, 0, :10, :10] = 0.65

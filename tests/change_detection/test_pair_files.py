@@ -16,8 +16,7 @@ from sensory_commutativity.change_detection.pair_files import (
 )
 from sensory_commutativity.change_detection.simulated.pairs import Pair
 from sensory_commutativity.storage.arrays import ArrayFileError, write_arrays
-
-from .examples import make_pairs
+from tests.change_detection.examples import make_pairs
 
 
 def write(path: Path, pairs: Pairs, first: int, last: int) -> None:
@@ -37,9 +36,6 @@ def test_several_files_are_read_as_one_data_set(tmp_path):
         assert np.array_equal(expected, values), name
         assert isinstance(values, tuple) or values.dtype == expected.dtype, name
 
-
-def test_files_of_different_picture_sizes_are_refused(tmp_path):
-    for size in (64, 128):
-        write(tmp_path / f"{size}.h5", make_pairs(3, size), 0, 3)
+    write(tmp_path / "64.h5", make_pairs(3, 64), 0, 3)
     with pytest.raises(ArrayFileError, match="pictures of several sizes"):
-        read_pairs(tmp_path / "64.h5", tmp_path / "128.h5")
+        read_pairs(tmp_path / "a.h5", tmp_path / "64.h5")

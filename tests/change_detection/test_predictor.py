@@ -20,8 +20,7 @@ from sensory_commutativity.change_detection.predictor import (
     load_predictor,
 )
 from sensory_commutativity.storage.checkpoints import CheckpointError, load_state, save_state
-
-from .examples import SMALL, SMALL_RAFT, make_pairs
+from tests.change_detection.examples import SMALL, SMALL_RAFT, make_pairs
 
 THRESHOLDS = DecisionThresholds(0.4, 0.6, 8.0)
 
@@ -60,13 +59,11 @@ def test_a_predictor_is_read_as_it_was_saved_up_to_half_precision(tmp_path):
     assert np.array_equal(load_predictor(path).predict_proba(pictures, batch_size=1), one_by_one)
     assert np.allclose(one_by_one, probabilities, atol=1e-4)
 
-
-def test_the_image_difference_is_a_predictor_too(tmp_path):
-    path = tmp_path / "difference.predictor"
+    path = tmp_path / "difference.predictor"  # the image difference has thresholds alone
     MaskPredictor("difference", None, DecisionThresholds(0.3, 0.5, 12.0)).save(path, {})
     loaded = load_predictor(path, "difference")
     assert loaded.thresholds == DecisionThresholds(0.3, 0.5, 12.0)
-    assert loaded.predict(*make_pairs(3).pictures[0]).outcome == "identical"
+    assert loaded.predict(*pictures[0]).outcome == "identical"
 
 
 def test_files_of_format_4_can_still_be_read(tmp_path):

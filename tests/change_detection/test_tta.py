@@ -17,8 +17,7 @@ from sensory_commutativity.change_detection.tta import (
     predict_half_resolution,
     predict_tta,
 )
-
-from .examples import SMALL
+from tests.change_detection.examples import SMALL
 
 
 class Brightness:
@@ -45,13 +44,22 @@ def changed(side: int, rows: slice, columns: slice) -> np.ndarray:
     return changed
 
 
-def test_both_scales_predict_the_same_of_a_smooth_picture():
+def test_flips_and_scales_predict_the_same_of_a_symmetric_model():
     for columns, side in ((slice(3, 20), 128), (slice(3, 100), 64)):
         model, pictures = Brightness(), smooth_pictures(2)
         where = changed(128, slice(100, 120), columns).repeat(2, 0)
         logits = predict_tta(model, pictures, where)
         assert torch.allclose(logits, pictures.mean(2), atol=0.02)
         assert len(model.inputs) == 2 * len(FLIPS) and model.inputs[-1].shape[-1] == side
+    # pairs with a small change, a large one and none keep their order
+    pictures = torch.arange(3.0)[:, None, None, None, None].expand(3, 2, 3, 128, 128)
+    maps = [
+        changed(128, slice(0, 9), slice(0, 9)),
+        changed(128, slice(0, 128), slice(0, 9)),
+        np.zeros((1, 128, 128), bool),
+    ]
+    logits = predict_tta(Brightness(), pictures, np.concatenate(maps))
+    assert torch.allclose(logits, pictures.mean(2), atol=1e-5)
 
 
 def test_a_small_change_is_enlarged():
@@ -61,17 +69,6 @@ def test_a_small_change_is_enlarged():
     enlarged = float(model.inputs[len(FLIPS)][0, 0].mean())
     assert enlarged == pytest.approx(4 * float(pictures[0, 0].mean()), rel=0.05)
     assert logits[0, 0, 12:18, 120:126].min() > 0.95 and not logits[0, 1].any()
-
-
-def test_pairs_with_small_large_and_no_change_keep_their_order():
-    pictures = torch.arange(3.0)[:, None, None, None, None].expand(3, 2, 3, 128, 128)
-    maps = [
-        changed(128, slice(0, 9), slice(0, 9)),
-        changed(128, slice(0, 128), slice(0, 9)),
-        np.zeros((1, 128, 128), bool),
-    ]
-    logits = predict_tta(Brightness(), pictures, np.concatenate(maps))
-    assert torch.allclose(logits, pictures.mean(2), atol=1e-5)
 
 
 def test_prediction_at_half_the_resolution():

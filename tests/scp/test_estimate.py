@@ -1,4 +1,4 @@
-"""estimate.py: from distances to the SCP."""
+"""scp/estimate.py: from distances to the Sensory Commutativity Probability."""
 
 from __future__ import annotations
 
@@ -22,23 +22,9 @@ EXPERIMENTS = pd.DataFrame(
 
 def test_by_hand():
     table = estimate_scp(EXPERIMENTS, ["world", "dof"], [0.0, 1.0, 100.0])
-    assert table.columns.tolist() == [
-        "world",
-        "dof",
-        "threshold",
-        "n",
-        "commuted",
-        "scp",
-        "ci_low",
-        "ci_high",
-    ]
-    rows = [
-        tuple(row)
-        for row in table[["world", "dof", "threshold", "n", "commuted", "scp"]].itertuples(
-            index=False
-        )
-    ]
-    assert rows == [
+    columns = ["world", "dof", "threshold", "n", "commuted", "scp"]
+    assert table.columns.tolist() == [*columns, "ci_low", "ci_high"]
+    assert list(table[columns].itertuples(index=False, name=None)) == [
         ("room", "head", 0.0, 4, 1, 0.25),
         ("room", "head", 1.0, 4, 3, 0.75),
         ("room", "head", 100.0, 4, 4, 1.0),
@@ -52,34 +38,27 @@ def test_by_hand():
     for row in table.itertuples():
         interval = binomtest(row.commuted, row.n).proportion_ci(0.95, "wilson")
         assert (row.ci_low, row.ci_high) == pytest.approx((interval.low, interval.high), abs=1e-9)
+    by_dof = estimate_scp(EXPERIMENTS, ["dof"], [0.0])
+    assert by_dof[["dof", "n", "commuted"]].to_numpy().tolist() == [["head", 6, 3], ["arm", 2, 0]]
 
 
-def test_the_confidence_is_passed_on():
+def test_higher_confidence_gives_wider_intervals():
     narrow = estimate_scp(EXPERIMENTS, ["world", "dof"], [0.0], 0.5)
     wide = estimate_scp(EXPERIMENTS, ["world", "dof"], [0.0], 0.99)
     assert (wide["ci_high"] - wide["ci_low"] > narrow["ci_high"] - narrow["ci_low"]).all()
 
 
-def test_one_column_makes_groups_too():
-    table = estimate_scp(EXPERIMENTS, ["dof"], [0.0])
-    assert table[["dof", "n", "commuted"]].to_numpy().tolist() == [["head", 6, 3], ["arm", 2, 0]]
-
-
 def test_the_threshold_itself_commutes():
-    assert commutes(np.array([0.0, 1.0, 1.0 + 1e-12, 1e-300])).tolist() == [
-        True,
-        False,
-        False,
-        False,
-    ]
-    assert commutes(np.array([0.0, 1.0, 1.0 + 1e-12]), 1.0).tolist() == [True, True, False]
+    distances = np.array([0.0, 1.0, 1.0 + 1e-12, 1e-300])
+    assert commutes(distances).tolist() == [True, False, False, False]
+    assert commutes(distances, 1.0).tolist() == [True, True, False, True]
 
 
 @given(
     st.lists(st.floats(0, 300), min_size=1, max_size=40),
     st.lists(st.floats(0, 300), min_size=2, max_size=5),
 )
-def test_the_scp_grows_with_the_threshold(distances, thresholds):
+def test_scp_grows_with_the_threshold_and_ignores_the_order_of_rows(distances, thresholds):
     frame = pd.DataFrame({"dof": "head", "distance": distances})
     table = estimate_scp(frame, ["dof"], sorted(thresholds))
     assert (table["scp"].diff().dropna() >= 0).all()

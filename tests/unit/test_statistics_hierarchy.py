@@ -9,7 +9,7 @@ from tests.helpers import DOFS
 from sensory_commutativity.studies.flatland.hierarchy import (
     HIERARCHY,
     LEFT_AND_RIGHT,
-    ordered_difference,
+    find_difference,
 )
 
 ROWS = pd.DataFrame(
@@ -19,11 +19,11 @@ ROWS = pd.DataFrame(
 
 
 def test_a_pair_the_way_it_stands():
-    assert ordered_difference(ROWS, "head", "left-elbow") == (0.3, 0.1, 0.4, 0.02, 50)
+    assert find_difference(ROWS, "head", "left-elbow") == (0.3, 0.1, 0.4, 0.02, 50)
 
 
 def test_a_pair_the_other_way_round():
-    assert ordered_difference(ROWS, "left-elbow", "head") == (-0.3, -0.4, -0.1, 0.02, 50)
+    assert find_difference(ROWS, "left-elbow", "head") == (-0.3, -0.4, -0.1, 0.02, 50)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 # Three dimensions: SC-experiments of robots in apartments, SCP, hierarchy, stability of the order,
 # contacts.
+from sensory_commutativity.storage.hashing import digest
+from sensory_commutativity.studies.apartment.builders import settings_of_start
 
 
 rule apartment_ready:

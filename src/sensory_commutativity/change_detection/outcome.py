@@ -36,8 +36,8 @@ MAX_ARM_CHANGE = 0.01
 """Fraction of the picture that the robot's body may cover in one view only. Chosen: a square of
 13 x 13 pixels of 128 x 128, the size of a large object."""
 MIN_VISIBLE_PIXELS = 12
-"""Pixels of 128 x 128 from which an object counts as visible. Chosen: fewer cannot be told from
-noise."""
+"""Pixels of 128 x 128 from which an object counts as visible. Chosen: fewer are not distinguishable
+from noise."""
 MIN_OBJECT_SHIFT = 0.01
 """Metres from which an object counts as displaced. Chosen."""
 MIN_OBJECT_ROTATION = math.radians(5)

@@ -23,9 +23,9 @@ SAID = {
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def provenance(file: Path, as_json: bool) -> None:
     """Where does FILE come from? A table, an array file, a model or a figure of a run."""
-    from ..runs.origin import origin_of
+    from ..runs.origin import read_origin
 
-    found = origin_of(file)
+    found = read_origin(file)
     if as_json:
         click.echo(json.dumps(found, indent=2))
         return
@@ -51,34 +51,34 @@ def compare(run_a: Path, run_b: Path) -> None:
 
     The exit code is 1 if a table is missing in one of them, cannot be read, has other rows, or has values beyond their intervals.
     """
-    from ..runs.compare import compare_runs, tables_of
-    from ..runs.origin import origin_of
+    from ..runs.compare import compare_runs, find_tables_folder
+    from ..runs.origin import read_origin
 
     runs = (run_a, run_b)
     found = compare_runs(*runs)
     readable = [
         table.table
         for table in found
-        if table.verdict != "unreadable" and not table.verdict.startswith("only")
+        if table.status != "unreadable" and not table.status.startswith("only")
     ]
     if readable:
-        origins = [origin_of(tables_of(run) / f"{readable[0]}.parquet") for run in runs]
+        origins = [read_origin(find_tables_folder(run) / f"{readable[0]}.parquet") for run in runs]
         for key in ("profile", "config_sha256", "root_seed", "git_commit", "python", "platform"):
             a, b = (origin.get(key, "?") for origin in origins)
             click.echo(f"{key:14} {a if a == b else f'{a}  |  {b}'}")
         click.echo("")
     for table in found:
         beyond = (
-            f", {table.beyond:,} of {table.intervals:,} intervals apart"
-            if table.intervals and table.verdict in ("within", "beyond")
+            f", {table.disjoint_intervals:,} of {table.intervals:,} intervals apart"
+            if table.intervals and table.status in ("within", "beyond")
             else ""
         )
-        rows = f"; {table.differing:,} of {table.rows:,} rows{beyond}" if table.differing else ""
+        rows = f"; {table.differing_rows:,} of {table.rows:,} rows{beyond}" if table.differing_rows else ""
         click.echo(
-            f"{table.table:26} {SAID.get(table.verdict, table.verdict)}{rows}{f'; most: {table.most}' if table.most else ''}"
+            f"{table.table:26} {SAID.get(table.status, table.status)}{rows}{f'; most: {table.largest_difference}' if table.largest_difference else ''}"
         )
-    bad = [table for table in found if not table.by_chance]
-    same = sum(table.verdict == "identical" for table in found)
+    bad = [table for table in found if not table.is_by_chance]
+    same = sum(table.status == "identical" for table in found)
     click.echo(
         f"\n{len(found)} tables: {same} identical, {len(found) - same - len(bad)} within what chance does, {len(bad)} to look at"
     )
@@ -115,24 +115,24 @@ def verify(run: Path, remove: bool) -> None:
     Files are held against the checksums that the workflow writes when it ends; those without one are read from end to end. The exit code is 1 if
     something is bad.
     """
-    from ..runs.verify import remove_bad, verify_run
+    from ..runs.verify import remove_bad_files, verify_run
 
     found = verify_run(run)
     for bad in found.bad:
-        click.echo(f"{run / bad.path}: {bad.verdict}: {bad.why}")
+        click.echo(f"{run / bad.path}: {bad.status}: {bad.reason}")
     for folder, n in sorted(found.absent.items()):
         click.echo(
             f"{run / folder}: {'raw data' if folder == 'data' else 'models'} not here ({n:,} files)"
         )
-    unknown = f", {found.unknown:,} of kinds that cannot be checked" if found.unknown else ""
+    unknown = f", {found.unchecked:,} of kinds that cannot be checked" if found.unchecked else ""
     files = "file" if len(found.bad) == 1 else "files"
     click.echo(
-        f"{len(found.bad):,} bad {files}; {found.recorded:,} as their checksums say, {found.read:,} without one can be read{unknown}"
+        f"{len(found.bad):,} bad {files}; {found.recorded:,} as their checksums say, {found.readable:,} without one can be read{unknown}"
     )
     if not found.bad:
         return
     if remove:
-        for name in remove_bad(run, found):
+        for name in remove_bad_files(run, found):
             click.echo(f"{run / name}: deleted")
         click.echo("run the workflow again: it makes anew what is missing, and what depends on it")
     elif "data" in found.absent:
@@ -140,11 +140,11 @@ def verify(run: Path, remove: bool) -> None:
     else:
         ended = (
             "if a run has not ended, run the workflow to its end; else "
-            if any(bad.verdict == "changed" for bad in found.bad)
+            if any(bad.status == "changed" for bad in found.bad)
             else ""
         )
         click.echo(
-            f"{ended}sensory-commutativity verify {run} --remove deletes what is bad; then run the workflow again"
+            f"{ended}sensory-commutativity run verify {run} --remove deletes what is bad; then run the workflow again"
         )
     raise SystemExit(1)
 

@@ -1,99 +1,110 @@
-"""The checksums of a finished run, in a file that ``sha256sum -c`` reads too: what each file was when the run ended."""
+"""Checksums of the files of a finished run, in the format of ``sha256sum``."""
 
 from __future__ import annotations
 
-import hashlib
 import re
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from ..errors import UserError
 from ..storage.atomic import atomic_write
+from ..storage.hashing import sha256
 
 MANIFEST = "checksums.sha256"
 FOLDERS = ("data", "models", "tables", "figures")
-"""Folders of a run that hold what it made; not its logs, benchmarks and report, which are never twice the same."""
+"""Folders of a run that hold its results. Logs, benchmarks and the report differ every time."""
 SUFFIXES = (".parquet", ".h5", ".json", ".predictor", ".policy", ".png", ".pdf", ".gif")
 
 _LINE = re.compile(r"([0-9a-f]{64}) [ *](\S.*)")
 
 
 class Manifest(NamedTuple):
-    """What a file of checksums says.
+    """Content of a file of checksums.
 
     Attributes
     ----------
     hashes : dict of str to str
-        Path, relative to the run's folder and with slashes -> SHA-256, hexadecimal.
-    wrong : tuple of int
-        Lines, from 1, that are no checksum of a file in the run's folder.
+        Path relative to the run's folder, with slashes -> SHA-256, hexadecimal.
+    invalid_lines : tuple of int
+        Numbers, from 1, of lines that are not the checksum of a file in the run's folder.
     """
 
     hashes: dict[str, str]
-    wrong: tuple[int, ...]
+    invalid_lines: tuple[int, ...]
 
 
-def files_of(run: Path) -> list[str]:
-    """What a run made, but for hidden files: paths relative to its folder, with slashes, sorted."""
-    found = (
-        path
+def list_files(run: Path) -> list[str]:
+    """List the results of a run without hidden files: relative paths with slashes, sorted."""
+    paths = [
+        path.relative_to(run)
         for folder in FOLDERS
         for path in (run / folder).rglob("*")
         if path.suffix in SUFFIXES and path.is_file()
-    )
-    paths = (path.relative_to(run) for path in found)
+    ]
     return sorted(
         path.as_posix() for path in paths if not any(part.startswith(".") for part in path.parts)
     )
 
 
-def sha256(path: Path) -> str:
-    """SHA-256 of a file, hexadecimal. Raises OSError."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
 def read_manifest(path: Path) -> Manifest:
-    """Read a file of checksums; one that is not there says nothing. Raises OSError."""
+    """Read a file of checksums; if there is no such file, it has no lines. Raises OSError."""
     try:
         lines = path.read_bytes().decode("utf-8", "replace").split("\n")
     except FileNotFoundError:
         return Manifest({}, ())
-    hashes, wrong = {}, []
-    for i, line in enumerate(lines):
-        found = _LINE.fullmatch(line)
-        if (
-            found
-            and not PurePosixPath(found[2]).is_absolute()
-            and ".." not in PurePosixPath(found[2]).parts
-        ):
-            hashes[found[2]] = found[1]
-        elif line or i < len(lines) - 1:
-            wrong.append(i + 1)
-    return Manifest(hashes, tuple(wrong))
+    hashes, invalid = {}, []
+    for number, line in enumerate(lines, start=1):
+        match = _LINE.fullmatch(line)
+        if match and _is_inside(PurePosixPath(match[2])):
+            hashes[match[2]] = match[1]
+        elif line or number < len(lines):  # the last line is empty
+            invalid.append(number)
+    return Manifest(hashes, tuple(invalid))
+
+
+def _is_inside(path: PurePosixPath) -> bool:
+    return not path.is_absolute() and ".." not in path.parts
 
 
 def write_manifest(path: Path) -> tuple[int, int]:
-    """Write the checksums of all files of the run in whose folder `path` lies; return how many were made, and how many kept.
+    """Write the checksums of all files of a run.
 
-    A file that was there when the checksums were last written, and was not written since, keeps its checksum: damage that came in between must not be
-    taken for what the run made. Raises UserError where a file cannot be read.
+    A file that has a checksum and has not been modified since keeps it: damage that has occurred
+    since must not count as the result of the run.
+
+    Parameters
+    ----------
+    path : Path
+        The file of checksums, in the folder of the run.
+
+    Returns
+    -------
+    computed, kept : int
+        Numbers of checksums.
+
+    Raises
+    ------
+    UserError
+        If the folder holds no results or a file cannot be read.
     """
-    run, old = path.parent, read_manifest(path).hashes
-    written = path.stat().st_mtime_ns if old else 0
+    run = path.parent
+    old_hashes = read_manifest(path).hashes
+    manifest_time = path.stat().st_mtime_ns if old_hashes else 0
     lines, kept = [], 0
-    for name in files_of(run):
+    for name in list_files(run):
         try:
-            keep = name in old and (run / name).stat().st_mtime_ns < written
-            lines.append(f"{old[name] if keep else sha256(run / name)}  {name}\n")
+            keep = name in old_hashes and (run / name).stat().st_mtime_ns < manifest_time
+            lines.append(f"{old_hashes[name] if keep else sha256(run / name)}  {name}\n")
         except OSError as error:
             raise UserError(
-                f"{run / name}: cannot be read ({error.strerror}); delete it and run the workflow again"
+                f"{run / name}: cannot be read ({error.strerror}); "
+                "delete it and run the workflow again"
             ) from None
         kept += keep
     if not lines:
         raise UserError(
-            f"{run}: no run, it holds no files in {', '.join(FOLDERS)}; give a path like results/default/{MANIFEST}"
+            f"{run}: not a run, it has no files in {', '.join(FOLDERS)}; "
+            f"give a path like results/default/{MANIFEST}"
         )
     with atomic_write(path) as temporary:
         temporary.write_text("".join(lines), encoding="utf-8")

@@ -1,4 +1,7 @@
-"""Is a run as it was made? Files are held against the checksums of the run or, where it has none yet, read from end to end."""
+"""Verification of a finished run: have its files changed since they were written?
+
+Files are compared with the run's checksums. Files without one are read from beginning to end.
+"""
 
 from __future__ import annotations
 
@@ -9,138 +12,170 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import UserError
-from .checksums import FOLDERS, MANIFEST, files_of, read_manifest, sha256
+from ..storage.hashing import sha256
+from .checksums import FOLDERS, MANIFEST, list_files, read_manifest
 
 
-class Bad(NamedTuple):
+class BadFile(NamedTuple):
     """A file that is not as it should be.
 
     Attributes
     ----------
     path : str
         Relative to the run's folder.
-    verdict : str
-        ``damaged``, ``missing``, or ``changed``: it can be read, is not what the checksums say, and was written after them.
-    why : str
+    status : str
+        ``damaged``, ``missing``, or ``changed``: it is readable, does not have its checksum, and
+        was written after the checksums.
+    reason : str
         What is wrong, in words.
     """
 
     path: str
-    verdict: str
-    why: str
+    status: str
+    reason: str
 
 
-class Verified(NamedTuple):
-    """What was found.
+class Verification(NamedTuple):
+    """Result of :func:`verify_run`.
 
     Attributes
     ----------
-    bad : tuple of Bad
-    recorded, read, unknown : int
-        Files that are as the checksums say; those without a checksum that can be read; those without one that nothing here can read.
+    bad : tuple of BadFile
+    recorded, readable, unchecked : int
+        Numbers of files that have their checksum; that have none and are readable; that have none
+        and are of a type that cannot be checked.
     absent : dict of str to int
-        Folders that a published run leaves out -> how many files the checksums name in it.
+        Folders that a published run omits -> number of their files among the checksums.
     """
 
-    bad: tuple[Bad, ...]
+    bad: tuple[BadFile, ...]
     recorded: int
-    read: int
-    unknown: int
+    readable: int
+    unchecked: int
     absent: dict[str, int]
 
 
-def verify_run(run: Path) -> Verified:
-    """Check every file of a run. Raises UserError for a folder that is none."""
-    if not (run / MANIFEST).is_file() and not files_of(run):
+def verify_run(run: Path) -> Verification:
+    """Check every file of a run. Raises UserError for a folder that is not a run."""
+    if not (run / MANIFEST).is_file() and not list_files(run):
         raise UserError(
-            f"{run}: no run, it holds neither {MANIFEST} nor files in {', '.join(FOLDERS)}; give a folder like results/default"
+            f"{run}: not a run, it has neither {MANIFEST} nor files in {', '.join(FOLDERS)}; "
+            "give a folder like results/default"
         )
     manifest = read_manifest(run / MANIFEST)
-    written = (run / MANIFEST).stat().st_mtime_ns if manifest.hashes else 0
+    manifest_time = (run / MANIFEST).stat().st_mtime_ns if manifest.hashes else 0
     bad = [
-        Bad(MANIFEST, "damaged", f"line {line} is no checksum of a file of this run")
-        for line in manifest.wrong
+        BadFile(MANIFEST, "damaged", f"line {line} is not the checksum of a file of this run")
+        for line in manifest.invalid_lines
     ]
     absent: Counter[str] = Counter()
-    recorded = read = unknown = 0
+    recorded = readable = unchecked = 0
     for name, expected in manifest.hashes.items():
-        path = run / name
-        if not path.is_file():
-            folder = _left_out(run, name)
-            if folder:
-                absent[folder] += 1
-            else:
-                bad.append(Bad(name, "missing", "the checksums name it, but it is not there"))
+        folder = _omitted_folder(run, name)
+        if folder:
+            absent[folder] += 1
             continue
-        try:
-            same = sha256(path) == expected
-        except OSError as error:
-            bad.append(Bad(name, "damaged", f"cannot be read ({error.strerror})"))
-            continue
-        if same:
+        bad_file = _compare_with_checksum(run, name, expected, manifest_time)
+        if bad_file is None:
             recorded += 1
-        elif path.stat().st_mtime_ns > written and whole(path) == "":
-            bad.append(Bad(name, "changed", "not what the checksums say, but written after them"))
         else:
-            bad.append(Bad(name, "damaged", "not what the checksums say"))
-    for name in files_of(run):
+            bad.append(bad_file)
+    for name in list_files(run):
         if name not in manifest.hashes:
-            wrong = whole(run / name)
-            read += wrong == ""
-            unknown += wrong is None
-            bad += [Bad(name, "damaged", wrong)] if wrong else []
-    return Verified(tuple(bad), recorded, read, unknown, dict(absent))
+            damage = find_damage(run / name)
+            if damage:
+                bad.append(BadFile(name, "damaged", damage))
+            readable += damage == ""
+            unchecked += damage is None
+    return Verification(tuple(bad), recorded, readable, unchecked, dict(absent))
 
 
-def remove_bad(run: Path, found: Verified) -> list[str]:
-    """Delete what is bad, and the checksums, without which the workflow makes anew all that is missing; return the paths that were deleted.
+def _compare_with_checksum(
+    run: Path, name: str, expected: str, manifest_time: int
+) -> BadFile | None:
+    path = run / name
+    if not path.is_file():
+        return BadFile(name, "missing", "it has a checksum, but does not exist")
+    try:
+        if sha256(path) == expected:
+            return None
+    except OSError as error:
+        return BadFile(name, "damaged", f"cannot be read ({error.strerror})")
+    if path.stat().st_mtime_ns > manifest_time and find_damage(path) == "":
+        return BadFile(name, "changed", "does not have its checksum, but was written after it")
+    return BadFile(name, "damaged", "does not have its checksum")
 
-    Raises UserError, and deletes nothing, where the raw data are not there: the workflow would make the whole run anew.
+
+def _omitted_folder(run: Path, name: str) -> str:
+    """The folder that is absent with a missing file because published runs omit it, or "".
+
+    That is the raw data, or all models of one kind.
     """
-    if not found.bad:
+    parts = name.split("/")
+    folder = {"data": "data", "models": "/".join(parts[:2])}.get(parts[0], "")
+    return folder if folder and not (run / folder).exists() else ""
+
+
+def remove_bad_files(run: Path, verification: Verification) -> list[str]:
+    """Delete the bad files and the checksums, so that the workflow computes all that is missing.
+
+    Returns
+    -------
+    list of str
+        Paths of the deleted files, relative to the run's folder.
+
+    Raises
+    ------
+    UserError
+        If the raw data are absent; nothing is deleted then, because the workflow would compute the
+        whole run again.
+    """
+    if not verification.bad:
         return []
-    if "data" in found.absent:
+    if "data" in verification.absent:
         raise UserError(
-            f"{run / 'data'}: not here, so the workflow would make the whole run anew; take the bad files from where the run comes from"
+            f"{run / 'data'}: absent, so the workflow would compute the whole run again; "
+            "copy the bad files again from where the run comes from"
         )
-    names = [bad.path for bad in found.bad if bad.verdict != "missing" and bad.path != MANIFEST]
-    names += (
-        [MANIFEST] if (run / MANIFEST).exists() else []
-    )  # last: if this is cut short, the rest is still known to be missing
+    names = [
+        bad.path for bad in verification.bad if bad.status != "missing" and bad.path != MANIFEST
+    ]
+    if (run / MANIFEST).exists():
+        names.append(MANIFEST)  # last: if interrupted, the other files are still known as missing
     for name in names:
         (run / name).unlink(missing_ok=True)
     return names
 
 
-def whole(path: Path) -> str | None:
-    """What is wrong with a file that should be readable from end to end: an empty text for nothing; None where nothing here reads such files."""
+def find_damage(path: Path) -> str | None:
+    """Read a file from beginning to end.
+
+    Returns
+    -------
+    str or None
+        What is wrong, "" if nothing is; None if files of this type cannot be checked.
+    """
     check = CHECKS.get(path.suffix)
     try:
         return check(path) if check else None
     except UserError as error:
         return str(error).removeprefix(f"{path}: ")
-    except Exception as error:  # whatever the bytes lead the readers to
+    except Exception as error:  # the bytes decide what the readers raise
         return f"cannot be read ({(str(error).splitlines() or ['?'])[0][:80]})"
 
 
-def _left_out(run: Path, name: str) -> str:
-    """The folder, not there, with which a published run leaves this file out: its raw data, or models of one kind; empty for any other file."""
-    parts = name.split("/")
-    folder = parts[0] if parts[0] == "data" else "/".join(parts[:2]) if parts[0] == "models" else ""
-    return folder if folder and not (run / folder).exists() else ""
+def _check_table(path: Path) -> str | None:
+    from ..storage.tables import read_metadata, read_table
+    from ..studies.registry import find_table, table_names
 
-
-def _table(path: Path) -> str | None:
-    from ..storage.tables import TABLES, read_about, read_table
-
-    name = read_about(path).get("table", "")  # not the file's name: raw data are parts of a table
-    if name not in TABLES:
+    name = read_metadata(path).get("table", "")  # raw data are shards with other file names
+    if name not in table_names():
         return None
-    read_table(name, path)
+    read_table(path, name, find_table(name).columns)
     return ""
 
 
-def _arrays(path: Path) -> str | None:
+def _check_arrays(path: Path) -> str | None:
     import h5py
 
     from ..storage.arrays import read_arrays
@@ -153,50 +188,41 @@ def _arrays(path: Path) -> str | None:
     return ""
 
 
-def _model(path: Path) -> str:
+def _check_model(path: Path) -> str:
     from ..storage.checkpoints import load_state
 
     load_state(path, "run the workflow again")
     return ""
 
 
-def _picture(path: Path) -> str:
+def _check_image(path: Path) -> str:
     from PIL import Image, ImageSequence
 
-    with Image.open(path) as picture:
-        picture.verify()
-    with Image.open(path) as picture:
-        for frame in ImageSequence.Iterator(picture):
+    with Image.open(path) as image:
+        image.verify()
+    with Image.open(path) as image:
+        for frame in ImageSequence.Iterator(image):
             frame.load()
-    return (
-        "" if path.read_bytes().endswith(_LAST[path.suffix]) else "its end is missing"
-    )  # which no reader needs
+    complete = path.read_bytes().endswith(_LAST_BYTES[path.suffix])  # no reader needs them
+    return "" if complete else "its end is missing"
 
 
-def _document(path: Path) -> str:
+def _check_pdf(path: Path) -> str:
     data = path.read_bytes()
-    return (
-        ""
-        if data.startswith(b"%PDF-") and data.endswith(_LAST[".pdf"])
-        else "its beginning or its end is missing"
-    )
+    complete = data.startswith(b"%PDF-") and data.endswith(_LAST_BYTES[".pdf"])
+    return "" if complete else "its beginning or its end is missing"
 
 
-def _json(path: Path) -> str:
+def _check_json(path: Path) -> str:
     json.loads(path.read_bytes())
     return ""
 
 
-_LAST = {".png": b"\x00\x00\x00\x00IEND\xaeB`\x82", ".gif": b"\x00;", ".pdf": b"%%EOF\n"}
+_LAST_BYTES = {".png": b"\x00\x00\x00\x00IEND\xaeB`\x82", ".gif": b"\x00;", ".pdf": b"%%EOF\n"}
 
 CHECKS: dict[str, Callable[[Path], str | None]] = {
-    ".parquet": _table,
-    ".h5": _arrays,
-    ".json": _json,
-    ".predictor": _model,
-    ".policy": _model,
-    ".png": _picture,
-    ".gif": _picture,
-    ".pdf": _document,
-}
-"""How files that end so are read."""
+    ".parquet": _check_table, ".h5": _check_arrays, ".json": _check_json,
+    ".predictor": _check_model, ".policy": _check_model,
+    ".png": _check_image, ".gif": _check_image, ".pdf": _check_pdf,
+}  # fmt: skip
+"""Suffix -> function that reads a whole file; see :func:`find_damage`."""

@@ -1,9 +1,9 @@
-"""The look that all figures share, and how they are saved."""
+"""Common style of all figures, and how figures and animations are saved."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ import pandas as pd
 from matplotlib.animation import PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from ..storage.atomic import atomic_write
 from .config import Config
@@ -25,41 +26,35 @@ from .provenance import provenance
 if TYPE_CHECKING:
     from ..worlds.apartment.robots.robot import Robot
 
-# Okabe and Ito's colours, which colour-blind readers can tell apart
-BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
-    "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
-)  # fmt: skip
+# Colours that colour-blind readers can distinguish: Okabe and Ito (2008), Color Universal Design,
+# https://jfly.uni-koeln.de/color/
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 GREY = "#8A8A8A"
+DARK_GREY = "#555555"
+"""Of symbols in legends that stand for several colours."""
 
 DOF_COLOURS = {
     "base-longitudinal": BLUE,
     "base-rotation": SKY,
-    "head": GREY,
-    "eyelid": BLACK,
     "left-shoulder": VERMILION,
     "right-shoulder": ORANGE,
     "left-elbow": GREEN,
     "right-elbow": PURPLE,
+    "head": GREY,
+    "eyelid": BLACK,
 }
-DOF_ORDER = [
-    "base-longitudinal",
-    "base-rotation",
-    "left-shoulder",
-    "right-shoulder",
-    "left-elbow",
-    "right-elbow",
-    "head",
-    "eyelid",
-]
+"""Colours of the degrees of freedom of Flatland, in the order of the figures."""
+DOF_ORDER = list(DOF_COLOURS)
 DOF_MARKERS = dict(zip(DOF_ORDER, "osv^<>DX", strict=True))
+GROUP_COLOURS = {
+    "wheel": BLUE, "torso": VERMILION, "shoulder": ORANGE, "elbow": GREEN, "wrist": PURPLE
+}  # fmt: skip
+"""Colours of groups of joints; other groups get the remaining colours."""
 
 SPACE_COLOURS = {
-    "full": BLACK,
-    "truncated": BLUE,
-    "adapted": VERMILION,
-    "random-half": GREEN,
-    "inverse": PURPLE,
-}
+    "full": BLACK, "truncated": BLUE, "adapted": VERMILION, "random-half": GREEN, "inverse": PURPLE
+}  # fmt: skip
 SPACE_MARKERS = {"full": "o", "truncated": "s", "adapted": "^", "random-half": "D", "inverse": "v"}
 SPACE_LINES = {"full": "-", "truncated": "-", "adapted": "-", "random-half": "--", "inverse": ":"}
 MEASURE_LABELS = {
@@ -69,16 +64,13 @@ MEASURE_LABELS = {
     "steps_to_threshold": "steps to the threshold return (thousands)",
 }
 
-GROUP_COLOURS = {
-    "wheel": BLUE,
-    "torso": VERMILION,
-    "shoulder": ORANGE,
-    "elbow": GREEN,
-    "wrist": PURPLE,
-}
-"""Kinds of joints that the robots here have; others are given what is left."""
+MODEL_LABELS = {"raft": "RAFT", "flownet": "FlowNet-S", "difference": "image difference"}
+MODEL_STYLES = {
+    "raft": (VERMILION, "-", "o"), "flownet": (BLUE, "--", "s"), "difference": (GREY, ":", "^")
+}  # fmt: skip
+"""Colour, line style and marker of each model."""
 
-_RC = {
+STYLE = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
     "axes.titlesize": 9.5,
@@ -92,69 +84,47 @@ _RC = {
 }
 
 
-def group_colours(robot: Robot) -> dict[str, str]:
-    """Colour of each group of a robot's degrees of freedom, in the order in which it names them; the same for all robots."""
-    groups = list(dict.fromkeys(dof.group for dof in robot.description.dofs))
-    others = [group for group in groups if group not in GROUP_COLOURS]
-    spare = (SKY, GREY, BLACK, YELLOW)
-    return {
-        group: GROUP_COLOURS.get(group) or spare[others.index(group) % len(spare)]
-        for group in groups
-    }
-
-
-def dof_styles(robot: Robot) -> dict[str, dict[str, str]]:
-    """How each degree of freedom of a robot is drawn as a line: colour of its group, marker and dashes of its own."""
-    colours = group_colours(robot)
-    ways = [(marker, line) for line in ("-", "--", ":") for marker in "os^vD"]
-    styles = [dict(marker=marker, linestyle=line) for marker, line in ways]
-    return {
-        dof.name: dict(color=colours[dof.group], **styles[i % len(styles)])
-        for i, dof in enumerate(robot.description.dofs)
-    }
-
-
-MODEL_LABELS = {"raft": "RAFT", "flownet": "FlowNet-S", "difference": "image difference"}
-
-
-def test_set_label(test_set: str) -> str:
-    """Name of a test set of the mask predictor for people."""
-    return test_set.replace("-", " ")
-
-
-def dof_label(dof: str, lines: bool = False) -> str:
-    """left-elbow -> left elbow, on two lines if asked."""
-    return dof.replace("-", "\n" if lines else " ")
+# ---- saving -----------------------------------------------------------------------------------
 
 
 def save_figure(draw: Callable[[], Figure], out: Path, config: Config) -> None:
-    """Draw a figure in the common style; save it as `out` (PNG) and beside it as PDF.
+    """Draw a figure in the common style, and save it as PNG and, beside it, as PDF.
 
-    The files hold their provenance but no date, so that equal tables give equal files.
+    The files hold the provenance but no date, so that equal tables give equal files.
+
+    Parameters
+    ----------
+    draw : callable
+        Returns the figure. Called within the common style.
+    out : Path
+        The PNG file.
+    config : Config
     """
-    about = provenance(config)
-    with plt.rc_context(_RC):
+    metadata = provenance(config)
+    with plt.rc_context(STYLE):
         figure = draw()
         with atomic_write(out) as temporary:
-            figure.savefig(temporary, format="png", metadata={"Software": None, **about})
+            figure.savefig(temporary, format="png", metadata={"Software": None, **metadata})
         with atomic_write(out.with_suffix(".pdf")) as temporary:
-            nothing = dict.fromkeys(("CreationDate", "Producer", "Creator"))
-            metadata = {**nothing, "Keywords": json.dumps(about)}
-            figure.savefig(temporary, format="pdf", metadata=metadata)
+            omitted = dict.fromkeys(("CreationDate", "Producer", "Creator"))
+            keywords = {"Keywords": json.dumps(metadata)}
+            figure.savefig(temporary, format="pdf", metadata={**omitted, **keywords})
     plt.close(figure)
 
 
-class Film(PillowWriter):
-    """Context manager that writes a GIF, with its provenance as the comment.
+class GifWriter(PillowWriter):
+    """Context manager that writes an animation as GIF, with the provenance as its comment.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
-        What :meth:`grab_frame` captures; closed at the end.
+        What :meth:`grab_frame` captures. Closed at the end.
     out : Path
     config : Config
     fps : int
+        Frames per second.
     dpi : int
+        Pixels per inch of the figure.
     """
 
     def __init__(self, figure: Figure, out: Path, config: Config, fps: int, dpi: int):
@@ -163,7 +133,7 @@ class Film(PillowWriter):
         self._comment = json.dumps(provenance(config))
         self._writing = atomic_write(out)
 
-    def __enter__(self) -> Film:
+    def __enter__(self) -> GifWriter:
         self.setup(self._figure, str(self._writing.__enter__()), dpi=self._dpi)
         return self
 
@@ -174,15 +144,70 @@ class Film(PillowWriter):
         plt.close(self._figure)
 
     def finish(self) -> None:
-        first, *others = self._frames
+        """Write the file. PillowWriter's own method writes no comment."""
+        first, *rest = self._frames
         first.save(
-            self.outfile, format="GIF", save_all=True, append_images=others,
+            self.outfile, format="GIF", save_all=True, append_images=rest,
             duration=int(1000 / self.fps), loop=0, comment=self._comment,
         )  # fmt: skip
 
 
-def reference_rows(scp: pd.DataFrame, config: Config, threshold: float = 0.0) -> pd.DataFrame:
-    """The rows of flatland_scp of the reference agent in the reference world, in the order of the figures."""
+# ---- labels -----------------------------------------------------------------------------------
+
+
+def dof_label(dof: str, lines: bool = False) -> str:
+    """Label of a degree of freedom: ``left-elbow`` gives "left elbow", on two lines if asked."""
+    return dof.replace("-", "\n" if lines else " ")
+
+
+def label_test_set(test_set: str) -> str:
+    """Label of a test set of the mask models."""
+    return test_set.replace("-", " ")
+
+
+def format_probability(value: float, digits: int) -> str:
+    """Format a probability; only 1 itself becomes "1", and no smaller value is rounded up to 1."""
+    return "1" if value == 1 else f"{min(value, 1 - 10**-digits):.{digits}f}"
+
+
+def format_p_value(p: float) -> str:
+    """Format a p-value with its name, such as "p = 0.012"."""
+    return "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.0995 else f"p = {p:.2f}"
+
+
+# ---- degrees of freedom of a robot ------------------------------------------------------------
+
+
+def group_colours(robot: Robot) -> dict[str, str]:
+    """Colour of each group of degrees of freedom, in the order of the robot's description.
+
+    A group of GROUP_COLOURS has the same colour for all robots.
+    """
+    groups = list(dict.fromkeys(dof.group for dof in robot.description.dofs))
+    unknown = [group for group in groups if group not in GROUP_COLOURS]
+    spare = (SKY, GREY, BLACK, YELLOW)
+    return {
+        group: GROUP_COLOURS.get(group) or spare[unknown.index(group) % len(spare)]
+        for group in groups
+    }
+
+
+def dof_styles(robot: Robot) -> dict[str, dict[str, str]]:
+    """Line of each degree of freedom: the colour of its group, its own marker and line style."""
+    colours = group_colours(robot)
+    lines = ("-", "--", ":")
+    styles = [dict(marker=marker, linestyle=line) for line in lines for marker in "os^vD"]
+    return {
+        dof.name: dict(color=colours[dof.group], **styles[i % len(styles)])
+        for i, dof in enumerate(robot.description.dofs)
+    }
+
+
+# ---- parts of figures -------------------------------------------------------------------------
+
+
+def select_reference(scp: pd.DataFrame, config: Config, threshold: float = 0.0) -> pd.DataFrame:
+    """Rows of flatland_scp of the reference agent in the reference world, in DOF_ORDER."""
     reference = config.flatland.reference
     rows = scp[
         (scp["world"] == reference.world)
@@ -192,57 +217,63 @@ def reference_rows(scp: pd.DataFrame, config: Config, threshold: float = 0.0) ->
     return rows.set_index("dof").loc[DOF_ORDER].reset_index()
 
 
-def dof_bars(
+def error_lengths(values: ArrayLike, low: ArrayLike, high: ArrayLike) -> np.ndarray:
+    """Lengths of error bars for the intervals [low, high]: (2, n), for the argument `yerr`."""
+    values = np.asarray(values, float)
+    return np.maximum(0.0, [values - np.asarray(low), np.asarray(high) - values])
+
+
+def draw_bars(
     axes: Axes,
-    dofs: list[str],
-    values: np.ndarray,
-    low: np.ndarray,
-    high: np.ndarray,
+    dofs: Sequence[str],
+    values: ArrayLike,
+    low: ArrayLike,
+    high: ArrayLike,
+    colours: Sequence[str],
     digits: int | None = None,
 ) -> None:
-    """A bar per degree of freedom, coloured as everywhere, with the interval [low, high] and, if asked, its value above."""
-    values = np.asarray(values, float)
-    error = np.maximum(0.0, [values - np.asarray(low), np.asarray(high) - values])
-    axes.bar(range(len(dofs)), values, color=[DOF_COLOURS[d] for d in dofs], width=0.75)
+    """Draw a bar per degree of freedom with its interval [low, high].
+
+    With `digits`, the value, a probability, is written above its bar.
+    """
+    values, high = np.asarray(values, float), np.asarray(high)
+    axes.bar(range(len(dofs)), values, color=colours, width=0.75)
     axes.errorbar(
-        range(len(dofs)),
-        values,
-        yerr=error,
-        fmt="none",
-        ecolor="#444444",
-        elinewidth=1.2,
-        capsize=2.5,
-    )
-    axes.set_xticks(
-        range(len(dofs)),
-        [dof_label(d) for d in dofs],
-        rotation=45,
-        ha="right",
-        rotation_mode="anchor",
-    )
+        range(len(dofs)), values, yerr=error_lengths(values, low, high), fmt="none",
+        ecolor="#444444", elinewidth=1.2, capsize=2.5,
+    )  # fmt: skip
+    slant_xticks(axes, [dof_label(dof) for dof in dofs])
     if digits is not None:
-        for x, (value, top) in enumerate(zip(values, np.asarray(high), strict=True)):
-            axes.annotate(
-                probability_text(value, digits),
-                (x, max(value, top)),
-                textcoords="offset points",
-                xytext=(0, 3),
-                ha="center",
-                fontsize=7,
-            )
+        for x, (value, top) in enumerate(zip(values, high, strict=True)):
+            annotate_above(axes, x, max(value, top), format_probability(value, digits), 7)
 
 
-def probability_text(value: float, digits: int) -> str:
-    """A probability for people: only 1 itself is written as 1, and nothing below it is rounded up to it."""
-    return "1" if value == 1 else f"{min(value, 1 - 10**-digits):.{digits}f}"
+def draw_dof_bars(
+    axes: Axes, values: ArrayLike, low: ArrayLike, high: ArrayLike, digits: int | None = None
+) -> None:
+    """Draw a bar per degree of freedom of Flatland, in DOF_ORDER; see :func:`draw_bars`."""
+    draw_bars(axes, DOF_ORDER, values, low, high, list(DOF_COLOURS.values()), digits)
 
 
-def p_text(p: float) -> str:
-    """A p-value for people."""
-    return "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.0995 else f"p = {p:.2f}"
+def annotate_above(axes: Axes, x: float, y: float, text: str, size: float, gap: float = 3) -> None:
+    """Write `text`, centred, `gap` points above a point."""
+    axes.annotate(
+        text, (x, y), textcoords="offset points", xytext=(0, gap), ha="center", fontsize=size
+    )
 
 
-def probability_axis(axes: Axes, name: str = "SCP") -> None:
+def slant_xticks(
+    axes: Axes, labels: Sequence[str], rotation: float = 45, size: float | None = None
+) -> None:
+    """Put a slanted label at each of 0, 1, 2, ... on the x axis."""
+    style = {} if size is None else {"fontsize": size}
+    axes.set_xticks(
+        range(len(labels)), labels, rotation=rotation, ha="right", rotation_mode="anchor", **style
+    )
+
+
+def set_probability_axis(axes: Axes, name: str = "SCP") -> None:
+    """Make the y axis one of probabilities, with a dotted line at 1."""
     axes.set_ylim(0, 1.12)
     axes.set_yticks(np.linspace(0, 1, 6))
     axes.set_ylabel(name)

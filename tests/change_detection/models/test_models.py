@@ -24,8 +24,7 @@ def test_models_predict_two_masks_several_times_and_use_all_parameters():
         sum(logits.mean() for logits in predictions).backward()
         assert all(parameter.grad is not None for parameter in model.parameters()), name
 
-
-def test_both_models_have_about_as_many_parameters():
+    # both have about as many parameters
     raft, flownet = (
         sum(parameter.numel() for parameter in model.parameters())
         for model in (MaskRaft(), MaskFlowNet())

@@ -8,7 +8,7 @@ import torch
 from sensory_commutativity.change_detection.training.loss import dice_loss, mask_loss
 
 
-def test_the_dice_loss_by_hand():
+def test_losses_by_hand():
     masks = torch.zeros(1, 2, 8, 8)
     masks[0, 0, :2] = 1.0
     assert dice_loss(200 * masks - 100, masks).item() == pytest.approx(0.0, abs=1e-6)
@@ -18,8 +18,7 @@ def test_the_dice_loss_by_hand():
     expected = (1 - 42 / 90 + 1 - 10 / 74) / 2
     assert dice_loss(everything, masks).item() == pytest.approx(expected)
 
-
-def test_later_refinements_count_more_and_dice_only_where_something_moved():
+    # later refinements count more, and the Dice loss only where something moved
     masks = torch.zeros(1, 2, 8, 8)
     good, bad = torch.full((1, 2, 8, 8), -5.0), torch.full((1, 2, 8, 8), 5.0)
     no, yes = torch.tensor([False]), torch.tensor([True])

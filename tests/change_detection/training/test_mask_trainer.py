@@ -58,7 +58,8 @@ def test_a_resumed_run_ends_with_the_same_weights():
             assert all(torch.equal(weights[key], expected[key]) for key in expected), name
 
 
-def test_steps_with_crops_show_only_pairs_in_which_something_moved():
+def test_batches_have_the_fractions_of_their_stage():
+    # steps with crops show only pairs in which something moved
     trainer = make_trainer("flownet", 12, samples=4000, batch_size=64)
     kinds = set()
     for trainer.step in range(8):
@@ -69,9 +70,6 @@ def test_steps_with_crops_show_only_pairs_in_which_something_moved():
         fraction = moved.float().mean()
         assert 0.4 < fraction < 0.8 if whole else fraction > 0.8
     assert kinds == {True, False}
-
-
-def test_the_batches_of_a_stage_have_its_fractions():
     trainer = make_trainer("flownet", samples=24_000, batch_size=4)
     steps = trainer.settings.steps
     ends = [round(stage.end * steps) for stage in STAGES]

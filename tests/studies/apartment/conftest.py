@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
+from sensory_commutativity.studies.apartment.tables.apartment_order import apartment_order
 from sensory_commutativity.studies.config import Config
 from sensory_commutativity.worlds.apartment.robots.robot import load_robot
 from tests.studies.apartment.examples import FETCH, N, make_experiments, with_experiments
@@ -28,3 +29,9 @@ def scp(config) -> dict[str, dict[str, float]]:
 @pytest.fixture(scope="package")
 def experiments(config, scp) -> pd.DataFrame:
     return make_experiments(config, scp)
+
+
+@pytest.fixture(scope="package")
+def order(experiments, config) -> pd.DataFrame:
+    """The table apartment_order; it takes seconds."""
+    return apartment_order(experiments, config)

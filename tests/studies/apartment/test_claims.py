@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import pandas as pd
-import pytest
 
 from sensory_commutativity.studies.apartment.claims import apartment_claims
 from sensory_commutativity.studies.apartment.tables.apartment_hierarchy import apartment_hierarchy
-from sensory_commutativity.studies.apartment.tables.apartment_order import apartment_order
 from sensory_commutativity.studies.apartment.tables.apartment_scp import apartment_scp
 from sensory_commutativity.worlds.apartment.robots.robot import load_robot
 from tests.studies.apartment.examples import make_experiments, overlay
@@ -16,20 +14,15 @@ from tests.worlds.apartment.examples import write_robot
 FREE = "fetch: in free space everything commutes"
 
 
-@pytest.fixture(scope="module")
-def order(experiments, config) -> pd.DataFrame:
-    """It takes seconds, and does not change with the experiments of the tests below."""
-    return apartment_order(experiments, config)
-
-
 def decide(experiments: pd.DataFrame, order: pd.DataFrame, config) -> dict[str, bool]:
     """Claim -> whether it holds."""
     lengths = experiments["length"] == config.apartment.sequence_length
     views = experiments["field_of_view"] == config.apartment.fields_of_view[0]
     used = experiments[lengths & views & (experiments["start"] == "anywhere")]
+    compared = used[used["apartment"] == config.apartment.reference.scene]
     tables = dict(
         apartment_scp=apartment_scp(used, config),
-        apartment_hierarchy=apartment_hierarchy(used, config),
+        apartment_hierarchy=apartment_hierarchy(compared, config),
         apartment_order=order,
     )
     return {claim.claim: bool(claim.holds) for claim in apartment_claims(tables, config)}

@@ -75,7 +75,7 @@ def test_incomplete_runs_are_refused(curves, five_spaces):
 def test_curves_are_written_by_training_only(five_spaces):
     with pytest.raises(UserError, match=r"train navigation_policy --run full\.1"):
         navigation_curves(None, five_spaces, "full.1")
-    with pytest.raises(UserError, match="no run 'short.1'"):
+    with pytest.raises(UserError, match=r"no run 'short\.1'"):
         TRAINING.of_run(five_spaces, "short.1")
 
 

@@ -147,6 +147,7 @@ CHECKS = {WELCH: check_welch, MANN_WHITNEY: check_mann_whitney, RANKS: check_ran
           PERMUTATION: check_permutation, HALF: check_half}  # fmt: skip
 
 
+@pytest.mark.filterwarnings("ignore:Precision loss")
 def test_every_test_is_what_scipy_and_statsmodels_say(comparisons, scores):
     assert 0 < (~scores["reached"]).sum() < 15  # some runs are censored
     assert values(scores, "full").min() < values(scores, "truncated").max()  # and groups overlap
@@ -207,14 +208,13 @@ def test_pairs_fall_into_two_families(default_config, five_spaces, scores, only_
         assert len(groups) == 6 * (1 + (controls > 0)) and (groups.size() == 3).all()
 
 
-def test_signs_of_differences_and_effects(default_config, five_spaces, only_steps, monkeypatch):
+def test_signs_of_differences_and_effects(five_spaces, only_steps):
     """Every run reaches the threshold at the checkpoint of its space, two of six one later."""
     checkpoint = {"full": 3, "truncated": 1, "adapted": 2, "random-half": 4, "inverse": 9}
     curves = make_curves(
         five_spaces, lambda space, i, k: 40 if k >= checkpoint[space] + (i % 3 == 0) else 2
     )
     scores = navigation_scores(curves, five_spaces)
-    monkeypatch.setattr(module, "CROSS_CHECKED", (STEPS,))
     table = navigation_comparisons(scores, five_spaces).set_index(["test", "a", "b"])
     welch, half = (table.loc[test, "truncated", "full"] for test in (WELCH, HALF))
     assert welch["difference"] == pytest.approx(-2 * STEP) and welch["effect_size"] < 0
@@ -222,9 +222,6 @@ def test_signs_of_differences_and_effects(default_config, five_spaces, only_step
     assert table.loc[MANN_WHITNEY, "truncated", "full"]["effect_size"] == 1
     assert table.loc[MANN_WHITNEY, "full", "inverse"]["effect_size"] == 1
     assert table.loc[LOG_RANK, "truncated", "full"]["statistic"] > 0
-    howell = table.loc[HOWELL, "truncated", "random-half"]
-    assert howell["difference"] == pytest.approx(-3 * STEP)
-    assert howell["ci_low"] < howell["difference"] < howell["ci_high"]
     assert half["effect_size"] == pytest.approx((4 * 1 + 2 * 2) / (4 * 3 + 2 * 4))
     assert half["statistic"] < 0 < table.loc[HALF, "adapted", "full"]["statistic"]
     summary = navigation_summary(scores, five_spaces).set_index(["action_space", "measure"])
@@ -281,15 +278,15 @@ def test_runs_without_spread_fill_all_tables(default_config):
     ):
         curves = make_curves(config, value)
         scores = navigation_scores(curves, config)
-        tables = {navigation_checkpoints: navigation_checkpoints(curves, config)}
-        tables |= {table: table(scores, config) for table in FROM_SCORES}
-        probabilities = ["p", "p_adjusted", "power", "rate", "survival", "fraction"]
-        for table, frame in tables.items():
-            check(frame, table, config)
-            for column in frame.columns.intersection(probabilities):
-                assert frame[column].between(0, 1).all(), (table.name, column)
-        rows = tables[navigation_comparisons].set_index(["a", "b", "test"])
-        equal = rows.loc[("adapted", "full")].drop(HALF)
+        frames = {"navigation_checkpoints": navigation_checkpoints(curves, config)}
+        for table in FROM_SCORES:
+            frames[table.name] = table(scores, config)
+            check(frames[table.name], table, config)
+        for name, frame in frames.items():
+            for column in ("p", "p_adjusted", "power", "rate", "survival", "fraction"):
+                assert column not in frame or frame[column].between(0, 1).all(), (name, column)
+        rows = frames["navigation_comparisons"]
+        equal = rows[(rows["a"] == "adapted") & (rows["b"] == "full")].set_index("test").drop(HALF)
         assert (equal["p"] == 1).all() and (equal["difference"].dropna() == 0).all()
         assert (equal.loc[MANN_WHITNEY, "effect_size"] == 0.5).all()
 

@@ -28,7 +28,7 @@ def view_of(
     view_range=1000.0,
     walls=(),
 ) -> np.ndarray:
-    """Render discs (pose, radius, colour), polygons (pose, corners, colour), walls (ends, colour)."""
+    """Render discs (pose, radius, colour), polygons (pose, corners, colour) and walls."""
     n = len(objects)
     outlines, vertices, radius = np.zeros((n, 5, 2)), np.zeros(n, np.int64), np.zeros(n)
     for i, (_, shape, _) in enumerate(objects):

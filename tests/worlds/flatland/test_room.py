@@ -76,9 +76,7 @@ def test_nothing_touches_at_the_start():
     for pair in FLATLAND_PAIRS:
         world = make_flatland(pair)
         for seed in range(15):
-            assert_nothing_touches(
-                sample(seed, world.room, world.agent), world.room, world.agent
-            )
+            assert_nothing_touches(sample(seed, world.room, world.agent), world.room, world.agent)
 
 
 def test_situations_are_at_rest():

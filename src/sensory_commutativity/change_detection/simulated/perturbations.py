@@ -21,7 +21,8 @@ ROBOT_MOTIONS: dict[RobotMotion, float] = {
     "elsewhere": 0.15,
     "arm": 0.1,
 }
-"""Probability of each. Chosen: most are near misses, which are hardest to recognise."""
+"""Probability of each. Chosen: half are near misses, around the limit between *different* and
+*identical*."""
 NEAR_HAND_FRACTION = 0.5
 """Fraction of the changes that move the objects nearest the hand. Chosen: SC-experiments mostly
 move what the robot touches."""

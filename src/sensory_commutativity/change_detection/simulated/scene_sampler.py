@@ -28,8 +28,8 @@ them to sleep after 2 s."""
 LYING_FRACTION = 0.2
 """Fraction of the objects that lie on their side. Chosen: as if an arm had pushed them over."""
 DROP_HEIGHTS = (2.2, 1.15)
-"""Metres from which the surface below is searched for. Chosen: above the furniture, and below the
-boards of shelves and the tops of cupboards."""
+"""Heights, metres, from which the surface below is searched for. Chosen: above all furniture, and
+below the upper boards of shelves."""
 RECOLOURED_FRACTION = 0.6
 """Fraction of the training layouts in which rooms, furniture and objects have other colours.
 Chosen: models train in a single apartment and are tested in others."""

@@ -97,6 +97,8 @@ class ViewClassifierTrainer(Trainer):
         Arguments of :class:`ViewClassifier`.
     """
 
+    model: ViewClassifier
+
     def __init__(
         self,
         regions: Regions,

@@ -1,4 +1,4 @@
-"""The apartments from above, with the places where experiments started."""
+"""The apartments from above, with the poses in which experiments started."""
 
 from __future__ import annotations
 
@@ -7,54 +7,49 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ....worlds.apartment.rendering.drawing import render_plan
-from ...apartment.builders import described_files
 from ...config import Config
 from ...declarations import figure
 from ...plotting import VERMILION
-from ..builders import apartment_world, start_poses
+from ..builders import apartment_world, described_files, start_poses
 
-_STARTS = 40
+MAX_STARTS = 40
+"""Starts that are shown of each apartment, the first. Chosen: more would hide the plan."""
 
 
 @figure(
-    title="The apartments from above, with the places where experiments started",
+    title="The apartments from above, with start poses of the robot",
     settings=lambda config: [config.apartment, described_files(config)],
 )
 def apartment_plans(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+    """A plan per apartment of the reference robot's runs, with an arrow per start."""
+    from ....worlds.apartment.rendering.drawing import render_plan  # imports PyBullet
+
     settings = config.apartment
     robot = settings.reference.robot
-    runs = [
-        run
+    experiments = {
+        run.scene: run.experiments
         for run in settings.runs()
         if run.robot == robot
-        and settings.scenes[run.scene].file is not None
         and run.start == "anywhere"
-    ]
-    scenes = {run.scene: run.experiments for run in runs if run.length == settings.sequence_length}
-    figure, grid = plt.subplots(1, len(scenes), figsize=(5.2 * len(scenes), 5.6), squeeze=False)
-    for axes, (scene, experiments) in zip(grid[0], scenes.items(), strict=True):
+        and run.length == settings.sequence_length
+        and settings.scenes[run.scene].file is not None
+    }
+    n_scenes = len(experiments)
+    figure, grid = plt.subplots(1, n_scenes, figsize=(5.2 * n_scenes, 5.6), squeeze=False)
+    for axes, (scene, n) in zip(grid[0], experiments.items(), strict=True):
         world = apartment_world(config, robot, scene, "anywhere")
         picture, extent = render_plan(world.simulation)
+        world.simulation.close()
         axes.imshow(picture, extent=extent)
-        shown = min(_STARTS, experiments)
-        poses = start_poses(config, robot, scene, "anywhere", shown)
-        axes.quiver(
-            poses[:, 0],
-            poses[:, 1],
-            np.cos(poses[:, 2]),
-            np.sin(poses[:, 2]),
-            color=VERMILION,
-            scale=22,
-            width=0.006,
-        )
+        n_starts = min(MAX_STARTS, n)
+        x, y, heading = start_poses(config, robot, scene, "anywhere", n_starts).T
+        axes.quiver(x, y, np.cos(heading), np.sin(heading), color=VERMILION, scale=22, width=0.006)
         axes.set_xlabel("metres")
         axes.set_ylabel("metres")
-        about = (
-            f"{scene}: {len(world.scene.areas)} rooms, {len(world.scene.movables)} movable objects"
-        )
         axes.set_title(
-            f"{about}\narrows: where the first {shown} experiments of {robot} start", fontsize=9
+            f"{scene}: {len(world.scene.areas)} rooms, {len(world.scene.movables)} movable "
+            "objects\n"
+            f"arrows: where the first {n_starts} experiments of {robot} start",
+            fontsize=9,
         )
-        world.simulation.close()
     return figure

@@ -1,67 +1,63 @@
-"""The robots in an apartment, from outside and through their own camera (paper, Fig. "iGibson", left and middle, and appendix C)."""
+"""The robots in an apartment, from outside and through their own camera (paper, Fig. "iGibson",
+left and middle, and appendix C)."""
 
 from __future__ import annotations
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ....seeding import generator
-from ....worlds.apartment.rendering.camera import Camera
-from ....worlds.apartment.rendering.drawing import render_third_person
-from ...apartment.builders import described_files
 from ...config import Config
 from ...declarations import figure
-from ..builders import apartment_world, start_seed
+from .. import builders
 
-_PIXELS = 480
-_SHOWN = 1
-"""Which experiment's start situation is shown."""
-
-
-def _show(axes: Axes, picture, title: str) -> None:
-    axes.imshow(picture)
-    axes.set_title(title, fontsize=9)
-    axes.set_axis_off()
+PIXELS = 480
+"""Height and width of each picture."""
+EXPERIMENT = 1
+"""Experiment whose start situation is shown."""
 
 
 @figure(
     title="The robots in an apartment, from outside and through their own camera",
-    settings=lambda config: [config.apartment, described_files(config)],
+    settings=lambda config: [config.apartment, builders.described_files(config)],
 )
 def apartment_world(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+    """A row per robot: the outside view, and the picture of each field of view."""
+    from ....worlds.apartment.rendering.camera import Camera
+    from ....worlds.apartment.rendering.drawing import render_third_person  # imports PyBullet
+
     settings = config.apartment
+    compared, views = settings.robots_compared, settings.fields_of_view
     shown = [(settings.reference.robot, settings.reference.scene)]
-    shown += [
-        (robot, scene)
-        for robot in settings.robots_compared.robots
-        for scene in settings.robots_compared.scenes
-    ]
-    views = settings.fields_of_view
+    shown += [(robot, scene) for robot in compared.robots for scene in compared.scenes]
+    n_columns = 1 + len(views)
     figure, grid = plt.subplots(
-        len(shown),
-        1 + len(views),
-        figsize=(3.6 * (1 + len(views)), 3.8 * len(shown)),
-        squeeze=False,
+        len(shown), n_columns, figsize=(3.6 * n_columns, 3.8 * len(shown)), squeeze=False
     )
     for row, (robot, scene) in zip(grid, shown, strict=True):
-        world = apartment_world(config, robot, scene, "anywhere")
-        world.reset(generator(start_seed(config, robot, scene, "anywhere", _SHOWN), "situation"))
-        _show(
-            row[0],
-            render_third_person(world.simulation, _PIXELS),
-            f"{robot} in {scene}, start of experiment {_SHOWN}",
-        )
+        world = builders.apartment_world(config, robot, scene, "anywhere")
+        seed = builders.start_seed(config, robot, scene, "anywhere", EXPERIMENT)
+        world.reset(generator(seed, "situation"))
+        simulation = world.simulation
+        outside = render_third_person(simulation, PIXELS)
+        _draw_picture(row[0], outside, f"{robot} in {scene}, start of experiment {EXPERIMENT}")
         for axes, view in zip(row[1:], views, strict=True):
-            camera = Camera(_PIXELS, _PIXELS, view, settings.supersampling)
-            picture = world.renderer.render(
-                camera, world.simulation.camera_pose(), world.simulation.poses()
-            ).rgb
-            _show(
+            camera = Camera(PIXELS, PIXELS, view, settings.supersampling)
+            picture = world.renderer.render(camera, simulation.camera_pose(), simulation.poses())
+            _draw_picture(
                 axes,
-                picture,
-                f"through its camera, {view:g} degrees; experiments\nuse {settings.image_size} × {settings.image_size} pixels",
+                picture.rgb,
+                f"through its camera, {view:g} degrees; experiments\n"
+                f"use {settings.image_size} × {settings.image_size} pixels",
             )
-        world.simulation.close()
+        simulation.close()
     return figure
+
+
+def _draw_picture(axes: Axes, picture: np.ndarray, title: str) -> None:
+    axes.imshow(picture)
+    axes.set_title(title, fontsize=9)
+    axes.set_axis_off()

@@ -15,7 +15,7 @@ from ....scp.experiment import compare_orders, iterate_order, orders_per_dof
 from ....seeding import generator, seed_for
 from ...config import Config
 from ...declarations import animation
-from ...plotting import Film, dof_label
+from ...plotting import GifWriter, dof_label
 from ..builders import flatland_world
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def flatland_experiment(config: Config, run: None, out: Path) -> None:
         iterate_order(one, start, order, config.flatland.rest_steps)
         for one, order in zip(worlds, orders, strict=True)
     ]
-    with Film(figure, out, config, FRAMES_PER_SECOND, dpi=90) as film:
+    with GifWriter(figure, out, config, FRAMES_PER_SECOND, dpi=90) as film:
         views: tuple[np.ndarray, ...] = ()
         for step, views in enumerate(progress(zip(*played, strict=True), "animating", "step")):
             draw(step, views)

@@ -34,7 +34,9 @@ def _excess_error(baselines: pd.DataFrame) -> pd.DataFrame:
     title="Naive change and prediction error of every degree of freedom",
     columns=(
         DOF,
-        Column("naive_mse", FLOAT, COLOUR, "mean squared change of the observation in a transition"),
+        Column(
+            "naive_mse", FLOAT, COLOUR, "mean squared change of the observation in a transition"
+        ),
         Column("naive_se", FLOAT, COLOUR, "standard error of naive_mse, sequences as units"),
         Column(
             "prediction_mse", FLOAT, COLOUR,

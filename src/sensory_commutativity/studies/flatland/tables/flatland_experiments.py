@@ -44,7 +44,9 @@ def _expected(config: Config) -> Expected:
         DISTANCE,
     ),
     shards=Shards(
-        runs=lambda config: {name: run.experiments for name, run in experiment_runs(config).items()},
+        runs=lambda config: {
+            name: run.experiments for name, run in experiment_runs(config).items()
+        },
         settings=_settings,
         per_shard=lambda config: config.flatland.experiments_per_job,
     ),

@@ -11,7 +11,7 @@ import pandas as pd
 
 from ...config import Config
 from ...declarations import Shards, animation
-from ...plotting import Film
+from ...plotting import GifWriter
 
 if TYPE_CHECKING:
     from ....navigation.action_spaces import ScaledAction
@@ -98,7 +98,7 @@ def navigation_episode(scores: pd.DataFrame, *arguments) -> None:
         title = f"{action_space}, run {seed} (median)\nepisode {episode}: {frame.text}"
         figure.suptitle(title, fontsize=10)
 
-    with Film(figure, out, config, FRAMES_PER_SECOND, dpi=80) as film:
+    with GifWriter(figure, out, config, FRAMES_PER_SECOND, dpi=80) as film:
         for episode, start in enumerate(evaluation_seeds(config)[:EPISODES], 1):
             for frame in _play_episode(policy, wrapped, start):
                 draw(frame, episode)

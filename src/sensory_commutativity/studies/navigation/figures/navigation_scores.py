@@ -1,96 +1,81 @@
-"""Every training run's scores: nothing is averaged away."""
+"""The scores of every training run, and their means."""
 
 from __future__ import annotations
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ...config import Config
 from ...declarations import figure
-from ...plotting import MEASURE_LABELS, SPACE_COLOURS
+from ...plotting import DARK_GREY, GREY, MEASURE_LABELS, SPACE_COLOURS, error_lengths, slant_xticks
+from ..tables.navigation_comparisons import STEPS
 
 _SPREAD = 0.3
-
-
-def _spread(n: int) -> np.ndarray:
-    """Places of n points beside each other, the same in every run: the golden ratio's fractional parts."""
-    return _SPREAD * 2 * ((np.arange(n) * (np.sqrt(5) - 1) / 2) % 1 - 0.5)
+"""Half of the width over which the runs of an action space are spread."""
 
 
 @figure(
-    title="Every training run's scores: nothing is averaged away",
+    title="Scores of every training run",
     inputs=["navigation_scores", "navigation_summary"],
     settings=lambda config: [config.flatland, config.navigation],
 )
 def navigation_scores(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
-    navigation = config.navigation
-    scores, summary = (
-        tables["navigation_scores"],
-        tables["navigation_summary"].set_index(["action_space", "measure"]),
-    )
+    """A panel per measure, with a dot per run."""
+    navigation, scores = config.navigation, tables["navigation_scores"]
+    summary = tables["navigation_summary"].set_index(["action_space", "measure"])
+    n = len(navigation.seeds)
     figure, grid = plt.subplots(1, 4, figsize=(14, 4.6))
     for axes, measure in zip(grid, MEASURE_LABELS, strict=True):
-        unit = 1000 if measure == "steps_to_threshold" else 1
         for i, action_space in enumerate(navigation.action_spaces):
             runs = scores[scores["action_space"] == action_space]
-            colour = SPACE_COLOURS[action_space]
-            known = runs["reached"].to_numpy() if unit > 1 else np.ones(len(runs), bool)
-            places, values = i + _spread(len(runs)), runs[measure].to_numpy() / unit
-            axes.scatter(places[known], values[known], s=16, color=colour, alpha=0.55, linewidth=0)
-            axes.scatter(
-                places[~known], values[~known], s=20, facecolor="none", edgecolor=colour, marker="^"
-            )
-            row = summary.loc[(action_space, measure)]
-            mean, low, high = row["mean"] / unit, row["mean_low"] / unit, row["mean_high"] / unit
-            axes.errorbar(
-                i + 0.42,
-                mean,
-                yerr=[[mean - low], [high - mean]],
-                fmt="D",
-                color=colour,
-                markersize=5,
-                capsize=3,
-                elinewidth=1.4,
-            )
-        axes.set_xticks(
-            range(len(navigation.action_spaces)),
-            navigation.action_spaces,
-            rotation=45,
-            ha="right",
-            rotation_mode="anchor",
-        )
+            _draw_runs(axes, i, runs, summary.loc[(action_space, measure)], measure)
+        slant_xticks(axes, navigation.action_spaces)
         axes.set_ylabel(MEASURE_LABELS[measure])
+    _, _, success, steps = grid
     for i, action_space in enumerate(navigation.action_spaces):
         solved = int(scores.loc[scores["action_space"] == action_space, "solved"].sum())
-        grid[2].text(
-            i,
-            1.01,
-            f"{solved}/{len(navigation.seeds)}",
-            transform=grid[2].get_xaxis_transform(),
-            ha="center",
-            fontsize=8,
-        )
-    grid[2].set_title("runs at or above the dotted line: solved", fontsize=8.5, pad=16)
-    grid[2].axhline(navigation.solved_success_rate, color="#8A8A8A", linewidth=0.8, linestyle=":")
-    grid[3].set_title(
-        f"threshold: a mean return of {navigation.threshold_return:g}", fontsize=8.5, pad=16
-    )
+        transform = success.get_xaxis_transform()
+        success.text(i, 1.01, f"{solved}/{n}", transform=transform, ha="center", fontsize=8)
+    success.set_title("runs at or above the dotted line: solved", fontsize=8.5, pad=16)
+    success.axhline(navigation.solved_success_rate, color=GREY, linewidth=0.8, linestyle=":")
+    threshold = navigation.threshold_return
+    steps.set_title(f"threshold: a mean return of {threshold:g}", fontsize=8.5, pad=16)
+    point, open_point = dict(color=DARK_GREY, linestyle=""), dict(markerfacecolor="none")
     handles = [
-        Line2D([], [], marker="o", color="#555555", alpha=0.6, linestyle="", label="a run"),
-        Line2D(
-            [],
-            [],
-            marker="^",
-            markerfacecolor="none",
-            color="#555555",
-            linestyle="",
-            label="censored: not reached",
-        ),
-        Line2D([], [], marker="D", color="#555555", label="mean, 95 % interval"),
+        Line2D([], [], marker="o", alpha=0.6, label="a run", **point),
+        Line2D([], [], marker="^", label="censored: not reached", **point, **open_point),
+        Line2D([], [], marker="D", color=DARK_GREY, label="mean, 95 % interval"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
-    figure.suptitle(f"Scores of all {len(navigation.seeds)} runs of each action space")
+    figure.suptitle(f"Scores of all {n} runs of each action space")
     return figure
+
+
+def _draw_runs(axes: Axes, x: float, runs: pd.DataFrame, summary: pd.Series, measure: str) -> None:
+    """Draw the runs of an action space around `x`, and their mean with its interval to the right.
+
+    Runs that did not reach the threshold are drawn as open triangles.
+    """
+    unit = 1000 if measure == STEPS else 1
+    reached = runs["reached"].to_numpy() if measure == STEPS else np.ones(len(runs), bool)
+    colour, values = SPACE_COLOURS[runs["action_space"].iloc[0]], runs[measure].to_numpy() / unit
+    xs = x + _spread(len(runs))
+    axes.scatter(xs[reached], values[reached], s=16, color=colour, alpha=0.55, linewidth=0)
+    style = dict(s=20, facecolor="none", edgecolor=colour, marker="^")
+    axes.scatter(xs[~reached], values[~reached], **style)
+    mean, low, high = summary[["mean", "mean_low", "mean_high"]] / unit
+    error = error_lengths([mean], [low], [high])
+    style = dict(fmt="D", color=colour, markersize=5, capsize=3, elinewidth=1.4)
+    axes.errorbar(x + 0.42, mean, yerr=error, **style)
+
+
+def _spread(n: int) -> np.ndarray:
+    """Offsets of `n` points beside each other, float64 (n,), the same in every run of the code.
+
+    They are the fractional parts of the multiples of the golden ratio, which are evenly spread.
+    """
+    return _SPREAD * 2 * ((np.arange(n) * (np.sqrt(5) - 1) / 2) % 1 - 0.5)

@@ -36,4 +36,5 @@ def mask_pairs(config: Config, shard: Shard) -> tuple[dict[str, Any], dict[str, 
         n = pairs_in_scene(config, shard.run, scene)
         for _ in progress(range(n), f"{shard.name}, scene {scene}", "triple"):
             pairs += [factory.make_pair(outcome) for outcome in OUTCOMES]
-    return pairs_to_arrays(pairs)
+        scenes += [scene] * n * len(OUTCOMES)
+    return pairs_to_arrays(pairs, scenes)

@@ -1,4 +1,4 @@
-"""How training went: the loss on what is learned from, accuracy and overlap on pairs that are held out."""
+"""Training curves of the mask models: training loss, and accuracy and IoU on validation pairs."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from matplotlib.figure import Figure
 
 from ...config import Config
 from ...declarations import figure
-from ...plotting import MODEL_LABELS
-from .mask_iou import MODEL_STYLES
+from ...plotting import MODEL_LABELS, MODEL_STYLES
 
 _MEASURES = {
     "loss": "training loss",
@@ -19,25 +18,21 @@ _MEASURES = {
 
 
 @figure(
-    title="How training went: the loss on what is learned from, accuracy and overlap on pairs that are held out",
+    title="Training curves of the mask models",
     inputs=["mask_curves"],
     settings=lambda config: config.masks,
 )
 def mask_curves(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
+    """A panel per measure, with a curve per model."""
     curves = tables["mask_curves"]
     figure, grid = plt.subplots(1, 3, figsize=(11, 3.5))
     for axes, (measure, name) in zip(grid, _MEASURES.items(), strict=True):
         for model, rows in curves.groupby("model", sort=False):
             colour, line, marker = MODEL_STYLES[model]
             axes.plot(
-                rows["samples"] / 1000,
-                rows[measure],
-                color=colour,
-                linestyle=line,
-                marker=marker,
-                markersize=4,
-                label=MODEL_LABELS[model],
-            )
+                rows["samples"] / 1000, rows[measure], color=colour, linestyle=line, marker=marker,
+                markersize=4, label=MODEL_LABELS[model],
+            )  # fmt: skip
         axes.set_xlabel("pairs shown (thousands)")
         axes.set_ylabel(name)
         if measure == "loss":
@@ -49,7 +44,8 @@ def mask_curves(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     grid[0].legend()
     data = config.masks.data
     figure.suptitle(
-        f"{3 * data.pairs:,} pairs to learn from, {3 * data.validation_pairs:,} held out; one run each",
+        f"{3 * data.pairs:,} pairs to learn from, {3 * data.validation_pairs:,} held out; "
+        "one run each",
         fontsize=9,
     )
     return figure

@@ -1,4 +1,4 @@
-"""The paper's claims beside what was measured, as a table to look at."""
+"""The paper's claims beside what this run measured, as a table to look at."""
 
 from __future__ import annotations
 
@@ -19,33 +19,19 @@ _COLUMNS = (
     (0.47, "its value", 18),
     (0.62, "this run", 60),
 )
+"""Position, name and width in characters of each column of text."""
 _HOLDS = 0.97
-_LINE = 0.24  # inches
+"""Position of the last column."""
+_LINE = 0.24
+"""Height of a line, inches."""
 
 
-def _ours(row: pd.Series) -> str:
-    interval = "" if np.isnan(row["ci_low"]) else f" [{row['ci_low']:.4f}, {row['ci_high']:.4f}]"
-    return row["our_value"] + interval
-
-
-@figure(
-    title="The paper's claims beside what was measured, as a table to look at",
-    inputs=["paper_comparison"],
-)
+@figure(title="The paper's claims and what this run measured", inputs=["paper_comparison"])
 def paper_comparison(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
-    rows = []
-    for _, row in tables["paper_comparison"].iterrows():
-        cells = (row["claim"], row["section"], row["paper_value"], _ours(row))
-        rows.append(
-            (
-                [
-                    textwrap.fill(text, width)
-                    for text, (_, _, width) in zip(cells, _COLUMNS, strict=True)
-                ],
-                row["holds"],
-            )
-        )
-    heights = [1.4 + 0.75 * max(text.count("\n") for text in cells) for cells, _ in rows]
+    """A row per claim."""
+    table = tables["paper_comparison"]
+    rows = [_wrap_cells(row) for _, row in table.iterrows()]
+    heights = [1.4 + 0.75 * max(text.count("\n") for text in row) for row in rows]
     total = sum(heights) + 3
     figure = plt.figure(figsize=(13, _LINE * total))
     figure.set_layout_engine("none")
@@ -57,18 +43,18 @@ def paper_comparison(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         axes.text(x, 1, name, fontweight="bold", va="top")
     axes.text(_HOLDS, 1, "holds", fontweight="bold", va="top", ha="center")
     y = 2.4
-    for (cells, holds), height in zip(rows, heights, strict=True):
+    for row, holds, height in zip(rows, table["holds"], heights, strict=True):
         axes.axhline(y - 0.2, color=GREY, linewidth=0.4)
-        for (x, _, _), text in zip(_COLUMNS, cells, strict=True):
+        for (x, _, _), text in zip(_COLUMNS, row, strict=True):
             axes.text(x, y, text, va="top", linespacing=1.15)
-        axes.text(
-            _HOLDS,
-            y,
-            "yes" if holds else "no",
-            va="top",
-            ha="center",
-            fontweight="bold",
-            color=GREEN if holds else VERMILION,
-        )
+        text, colour = ("yes", GREEN) if holds else ("no", VERMILION)
+        axes.text(_HOLDS, y, text, va="top", ha="center", fontweight="bold", color=colour)
         y += height
     return figure
+
+
+def _wrap_cells(row: pd.Series) -> list[str]:
+    """Texts of a row of the table, cut into lines of the width of their columns."""
+    interval = "" if np.isnan(row["ci_low"]) else f" [{row['ci_low']:.4f}, {row['ci_high']:.4f}]"
+    cells = (row["claim"], row["section"], row["paper_value"], row["our_value"] + interval)
+    return [textwrap.fill(text, width) for text, (_, _, width) in zip(cells, _COLUMNS, strict=True)]

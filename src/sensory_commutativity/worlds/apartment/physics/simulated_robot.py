@@ -60,9 +60,7 @@ class SimulatedRobot:
         joints = [f"joint-{i + 1}" for i in range(len(robot.joints))]
         axes = [*BASE_JOINTS, *joints] if robot.wheels else joints
         self._axes = [joint_number[name] for name in axes]
-        self.colliders = {
-            link_number[collider.name]: collider for collider in self.body.colliders
-        }
+        self.colliders = {link_number[collider.name]: collider for collider in self.body.colliders}
         self._velocity_target = np.zeros(len(self._axes))
         self._set_dynamics(n_joints)
         self._filter_collisions(scenery)
@@ -138,7 +136,9 @@ class SimulatedRobot:
                 f"got an array of shape {action.shape}"
             )
         if not np.isfinite(action).all():
-            raise ValueError("an action contains values that are not finite; give values in [-1, 1]")
+            raise ValueError(
+                "an action contains values that are not finite; give values in [-1, 1]"
+            )
         start_action(self._parameters, self.controller, action)
 
     def drive(self, substep: int) -> bool:

@@ -24,7 +24,7 @@ LIGHT = np.array([0.35, 0.5, 0.79]) / math.sqrt(0.35**2 + 0.5**2 + 0.79**2)
 """Unit vector towards the light in the world frame; chosen: the walls of a room differ."""
 BACKGROUND = (0.72, 0.80, 0.90)
 """Colour where there is no face; chosen: sky blue."""
-_TOLERANCE = -1e-9
+_TOLERANCE = 1e-9
 """Samples this little outside a face still belong to it, so that rounding leaves no gap between
 adjacent faces; chosen: far below the size of a pixel."""
 
@@ -160,26 +160,44 @@ def rasterise(triangles, world, poses, light, view, samples, visible):
     samples, visible : Samples, VisibleFaces
         Filled.
     """
-    samples.inverse_depth[:] = 0.0
-    samples.slots[:] = -1
-    drawables = triangles.drawables
-    corners = np.empty((3, 3))
+    # Numba counts references at each read of a tuple's field, so the loops read none.
+    drawables, spheres = triangles.drawables, triangles.spheres
+    faces, uv = triangles.faces, triangles.uv
+    eye, focal, near = view.pose, view.focal, view.near
+    half_x, half_y = view.width / 2, view.height / 2
+    inverse_depth, slots = samples.inverse_depth, samples.slots
+    planes, shades, face_ids = visible.planes, visible.shades, visible.face_ids
+    inverse_depth[:] = 0.0
+    slots[:] = -1
+    corners, normal = np.empty((3, 3)), np.empty(3)
     count = 0
     for d in range(len(drawables)):
-        if _is_out_of_view(triangles.spheres[d], poses[drawables[d, 4]], view):
+        pose = poses[drawables[d, 4]]
+        if _is_out_of_view(spheres[d], pose, eye, half_x, half_y, focal, near):
             continue
         for face in range(drawables[d, 0], drawables[d, 1]):
-            vertices, uv = triangles.faces[face], triangles.uv[face]
-            if _draw_face(vertices, uv, world, light, view, corners, samples, visible, count):
-                visible.face_ids[count] = face
+            n_behind = _to_camera(faces, face, world, eye, near, corners, normal)
+            if n_behind == 3:
+                continue
+            bounds = _sample_bounds(corners, n_behind, half_x, half_y, focal, near)
+            if bounds[0] > bounds[1] or bounds[2] > bounds[3]:
+                continue
+            if _fill(
+                corners, uv[face], half_x, half_y, focal, near, bounds, inverse_depth, slots,
+                planes[count], count,
+            ):  # fmt: skip
+                nx, ny, nz = normal
+                length = math.sqrt(nx * nx + ny * ny + nz * nz)
+                shades[count] = AMBIENT + (1 - AMBIENT) * (
+                    0.5 + 0.5 * (nx * light[0] + ny * light[1] + nz * light[2]) / length
+                )
+                face_ids[count] = face
                 count += 1
 
 
 @njit()
-def _is_out_of_view(sphere, pose, view):
+def _is_out_of_view(sphere, pose, eye, half_x, half_y, focal, near):
     """Whether a bounding sphere, given in the frame `pose`, is wholly outside the view frustum."""
-    eye, focal = view.pose, view.focal
-    half_x, half_y = view.width / 2, view.height / 2
     x, y, z, radius = sphere[0], sphere[1], sphere[2], sphere[3]
     cx = pose[0, 0] * x + pose[0, 1] * y + pose[0, 2] * z + pose[0, 3] - eye[0, 3]
     cy = pose[1, 0] * x + pose[1, 1] * y + pose[1, 2] * z + pose[1, 3] - eye[1, 3]
@@ -191,51 +209,42 @@ def _is_out_of_view(sphere, pose, view):
     norm_x = math.sqrt(focal * focal + half_x * half_x)
     norm_y = math.sqrt(focal * focal + half_y * half_y)
     return (
-        forward < view.near - radius
+        forward < near - radius
         or half_x * forward - focal * abs(right) < -radius * norm_x
         or half_y * forward - focal * abs(down) < -radius * norm_y
     )
 
 
-@njit()
-def _draw_face(vertices, uv, world, light, view, corners, samples, visible, slot):
-    """Draw one face and fill its plane and shade; return False if it is nowhere the nearest.
+@njit(inline="always")  # measured: a call per face costs 20 % of the pass
+def _to_camera(faces, face, world, eye, near, corners, normal):
+    """Transform a face to camera axes; return how many of its corners are behind the near plane.
 
-    `vertices` int32 (3,) and `uv` float32 (3, 2) belong to the face; `corners` float64 (3, 3) is
-    scratch space for the vertices in the axes right, down, forward of the camera.
+    Back faces return 3, too. `corners` float64 (3, 3) is filled with the corners in the axes right,
+    down, forward and `normal` float64 (3,) with the outward normal in the world, of any length.
     """
-    eye, near = view.pose, view.near
     ex, ey, ez = eye[0, 3], eye[1, 3], eye[2, 3]
-    a, b, c = vertices[0], vertices[1], vertices[2]
+    a, b, c = faces[face, 0], faces[face, 1], faces[face, 2]
     ax, ay, az = world[a, 0] - ex, world[a, 1] - ey, world[a, 2] - ez
     ux, uy, uz = world[b, 0] - world[a, 0], world[b, 1] - world[a, 1], world[b, 2] - world[a, 2]
     vx, vy, vz = world[c, 0] - world[a, 0], world[c, 1] - world[a, 1], world[c, 2] - world[a, 2]
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     if nx * ax + ny * ay + nz * az >= 0:
-        return False  # a back face
+        return 3
+    normal[0], normal[1], normal[2] = nx, ny, nz
     n_behind = 0
     for k in range(3):
-        i = vertices[k]
+        i = faces[face, k]
         x, y, z = world[i, 0] - ex, world[i, 1] - ey, world[i, 2] - ez
         corners[k, 0] = -(eye[0, 1] * x + eye[1, 1] * y + eye[2, 1] * z)
         corners[k, 1] = -(eye[0, 2] * x + eye[1, 2] * y + eye[2, 2] * z)
         corners[k, 2] = eye[0, 0] * x + eye[1, 0] * y + eye[2, 0] * z
         n_behind += corners[k, 2] < near
-    if n_behind == 3:
-        return False
-    if not _fill(corners, n_behind, uv, view, samples, visible.planes[slot], slot):
-        return False
-    length = math.sqrt(nx * nx + ny * ny + nz * nz)
-    visible.shades[slot] = AMBIENT + (1 - AMBIENT) * (
-        0.5 + 0.5 * (nx * light[0] + ny * light[1] + nz * light[2]) / length
-    )
-    return True
+    return n_behind
 
 
 @njit()
-def _sample_bounds(corners, n_behind, view):
+def _sample_bounds(corners, n_behind, half_x, half_y, focal, near):
     """First and last column, first and last row of the part of a face beyond the near plane."""
-    focal, near, half_x, half_y = view.focal, view.near, view.width / 2, view.height / 2
     low_x = low_y = 1e18  # samples from the centre of the image
     high_x = high_y = -1e18
     for k in range(3):
@@ -252,24 +261,21 @@ def _sample_bounds(corners, n_behind, view):
                 y = focal * (corners[k, 1] + t * (corners[j, 1] - corners[k, 1])) / near
                 low_x, high_x = min(low_x, x), max(high_x, x)
                 low_y, high_y = min(low_y, y), max(high_y, y)
+    width, height = int(2 * half_x), int(2 * half_y)
     return (
         max(0, math.ceil(low_x + half_x - 0.5)),
-        min(view.width - 1, math.floor(high_x + half_x - 0.5)),
+        min(width - 1, math.floor(high_x + half_x - 0.5)),
         max(0, math.ceil(low_y + half_y - 0.5)),
-        min(view.height - 1, math.floor(high_y + half_y - 0.5)),
+        min(height - 1, math.floor(high_y + half_y - 0.5)),
     )
 
 
-@njit()
-def _fill(corners, n_behind, uv, view, samples, plane, slot):
+@njit(inline="always")
+def _fill(corners, uv, half_x, half_y, focal, near, bounds, inverse_depth, slots, plane, slot):
     """Fill the samples where a face is the nearest so far; return False if there are none.
 
     `plane` float64 (9,) is filled as in :class:`VisibleFaces`.
     """
-    focal, half_x, half_y = view.focal, view.width / 2, view.height / 2
-    first_x, last_x, first_y, last_y = _sample_bounds(corners, n_behind, view)
-    if first_x > last_x or first_y > last_y:
-        return False
     ax, ay, az = corners[0]
     bx, by, bz = corners[1]
     cx, cy, cz = corners[2]
@@ -287,8 +293,9 @@ def _fill(corners, n_behind, uv, view, samples, plane, slot):
     a1, b1, c1 = r1x * t, r1y * t, r1z * s
     a2, b2, c2 = r2x * t, r2y * t, r2z * s
     da, db, dc = a0 + a1 + a2, b0 + b1 + b2, c0 + c1 + c2
-    inverse_depth, slots, nearest = samples.inverse_depth, samples.slots, 1.0 / view.near
+    nearest = 1.0 / near
     is_visible = False
+    first_x, last_x, first_y, last_y = bounds
     for row in range(first_y, last_y + 1):
         y = row + 0.5 - half_y
         low, high = float(first_x), float(last_x)
@@ -317,7 +324,7 @@ def _fill(corners, n_behind, uv, view, samples, plane, slot):
 @njit()
 def _clip_row(low, high, slope, offset, half_x):
     """Clip the columns `low` to `high` to where slope * x + offset is positive."""
-    offset -= _TOLERANCE
+    offset += _TOLERANCE
     if slope > 0:
         low = max(low, math.ceil(-offset / slope + half_x - 0.5))
     elif slope < 0:
@@ -342,7 +349,9 @@ def shade_pixels(surfaces, samples, visible, supersampling, rgb, segmentation):
     rgb, segmentation : uint8 (h, w, 3), int32 (h, w)
         Filled.
     """
-    colours, textures, slots = surfaces.colours, surfaces.textures, samples.slots
+    colours, textures, texture_ids = surfaces.colours, surfaces.textures, surfaces.texture_ids
+    segmentation_ids, slots = surfaces.segmentation_ids, samples.slots
+    planes, shades, face_ids = visible.planes, visible.shades, visible.face_ids
     height, width = segmentation.shape
     half_x, half_y = width * supersampling / 2, height * supersampling / 2
     scale = 255.0 / (supersampling * supersampling)
@@ -358,12 +367,12 @@ def shade_pixels(surfaces, samples, visible, supersampling, rgb, segmentation):
                         green += BACKGROUND[1]
                         blue += BACKGROUND[2]
                         continue
-                    f = visible.face_ids[slot]
-                    shade = visible.shades[slot]
-                    t = surfaces.texture_ids[f]
+                    f = face_ids[slot]
+                    shade = shades[slot]
+                    t = texture_ids[f]
                     if t >= 0:
                         x = column * supersampling + j + 0.5 - half_x
-                        p = visible.planes[slot]
+                        p = planes[slot]
                         z = 1.0 / (p[0] * x + p[1] * y + p[2])
                         u = math.floor((p[3] * x + p[4] * y + p[5]) * z * TEXTURE_SIZE)
                         v = math.floor((p[6] * x + p[7] * y + p[8]) * z * TEXTURE_SIZE)
@@ -381,6 +390,4 @@ def shade_pixels(surfaces, samples, visible, supersampling, rgb, segmentation):
             rgb[row, column, 2] = int(min(blue * scale + 0.5, 255.0))
             middle = supersampling // 2
             slot = slots[row * supersampling + middle, column * supersampling + middle]
-            segmentation[row, column] = (
-                surfaces.segmentation_ids[visible.face_ids[slot]] if slot >= 0 else 0
-            )
+            segmentation[row, column] = segmentation_ids[face_ids[slot]] if slot >= 0 else 0

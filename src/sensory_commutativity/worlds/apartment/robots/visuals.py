@@ -37,9 +37,7 @@ def load_shape_mesh(shape: Shape, max_faces: int | None = None) -> Mesh:
         ) from None
 
 
-def save_visuals(
-    path: Path, robot: Robot, source_links: dict[str, tuple[int, np.ndarray]]
-) -> None:
+def save_visuals(path: Path, robot: Robot, source_links: dict[str, tuple[int, np.ndarray]]) -> None:
     """Save everything visible of a robot to an ``npz`` file.
 
     Parameters
