@@ -1,5 +1,41 @@
-"""Sensory commutativity of action sequences for embodied agents: play the same actions in two orders; did the sensors end equal?"""
+"""Sensory commutativity of action sequences for embodied agents.
 
+Play the same actions in two orders from the same start: do the sensors end equal? The names below
+are the public API; they are imported when they are first used.
+"""
+
+from __future__ import annotations
+
+import importlib
 from importlib.metadata import version
+from typing import Any
 
 __version__ = version("sensory-commutativity")
+
+_MODULES = {
+    "scp.world": ("Dof", "EventReporter", "SequencePlayer", "World", "play"),
+    "scp.sequences": ("compose", "inverse", "no_op", "permute", "sample_sequence"),
+    "scp.experiment": (
+        "commutation_experiment", "compare_orders", "distances_per_dof", "endings_per_dof",
+        "iterate_order", "play_order",
+    ),
+    "scp.equivalence": ("commutative_residue", "commute", "equivalent", "is_commutative_residue"),
+    "scp.distances": ("mean_squared_error",),
+    "scp.estimate": ("commutes", "estimate_scp"),
+    "seeding": ("generator", "seed_for"),
+    "worlds.corridor": ("Corridor",),
+}  # fmt: skip
+"""Module -> the public names that it defines."""
+_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
+
+__all__ = ["__version__", *sorted(_MODULE_OF)]  # noqa: PLE0604  # names are strings
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -122,7 +122,7 @@ def test_hostile_weights_are_not_executed(tmp_path, marker, kind, name):
     (tmp_path / name).write_bytes(hostile_payloads(marker)[kind])
     with pytest.raises(WeightsError) as caught:
         load_vgg16_weights(tmp_path / name)
-    assert "apartment.weights" in one_line(caught)
+    assert name in one_line(caught)
 
 
 def test_a_hostile_array_in_an_archive_of_arrays_is_not_executed(tmp_path, marker):

@@ -42,7 +42,7 @@ def check(files: tuple[str, ...]) -> None:
 @click.argument("files", nargs=-1, required=True)
 @out_option
 def resolve(files: tuple[str, ...], out: Path) -> None:
-    """Merge configuration FILES and write all settings with every default filled in."""
+    """Merge configuration FILES and fill in all defaults."""
     write_resolved(load(*files), out)
 
 
@@ -57,10 +57,16 @@ def schema(out: Path) -> None:
 @config_option
 @click.option("--robot", required=True, help="A key of apartment.robots.")
 @click.option("--scene", required=True, help="A key of apartment.scenes.")
-@click.option("--start", type=click.Choice(["anywhere", "within-reach"]), required=True)
+@click.option(
+    "--start", type=click.Choice(["anywhere", "within-reach"]), required=True,
+    help="Where the robot starts.",
+)  # fmt: skip
 @out_option
 def check_start(config: Config, robot: str, scene: str, start: str, out: Path) -> None:
-    """Fetch the VGG16 weights, and check that a robot finds start situations in a scene."""
+    """Check that a robot finds start situations in a scene.
+
+    Fetches the VGG16 weights first, so that later jobs need no network.
+    """
     from ..studies.apartment.builders import check_ready
 
     if config is None:

@@ -18,9 +18,9 @@ SHIPPED = Path(__file__).resolve().parents[3] / "results/paper/models/masks/raft
 @click.option("--predictor", type=FILE, default=SHIPPED, help="A trained predictor.")
 @click.option("--out", type=FILE, help="Picture to write [default: SECOND-moved.png].")
 def predict(first: Path, second: Path, predictor: Path, out: Path | None) -> None:
-    """Tell what changed between two pictures of one camera, and draw where.
+    """Find what changed between two pictures of one camera.
 
-    The outcome is one of three: the same view, another view, or the same view in which objects
+    Prints the outcome, and writes a picture in which the changes are outlined. The outcome is one of three: the same view, another view, or the same view in which objects
     moved. FIRST and SECOND are PNG or JPEG files of the same size, at least 64 pixels per side.
     """
     from ..change_detection.predict import predict_files

@@ -100,20 +100,19 @@ def default_inputs(product: Product, config: Config, shard: Shard | None) -> lis
     return [source.file(one) for source, shards in declared for one in shards]
 
 
+_INPUTS = "INPUTS are the files that it is computed from [default: those in the run's folder]."
 table = _command(
     Table, "shard",
-    "Compute the table NAME from the files INPUTS, or one shard of it.\n\n"
-    "Without INPUTS, they are read from the folder of the run. The shards of a table are the "
-    "INPUTS of the table itself.",
+    "Compute the table NAME, or one shard of it.\n\n"
+    f"{_INPUTS} The shards of a table are the INPUTS of the table itself.",
 )  # fmt: skip
 arrays = _command(
-    Arrays, "shard", "Compute the arrays NAME from the files INPUTS, or one shard of them."
+    Arrays, "shard", f"Compute the arrays NAME, or one shard of them.\n\n{_INPUTS}"
 )
 train = _command(
-    Model, "run",
-    "Train the model NAME from the files INPUTS, or resume where training was killed.",
-)  # fmt: skip
-figure = _command(
-    Figure, "", "Draw the figure NAME from the files INPUTS, as PNG and beside it as PDF."
+    Model, "run", f"Train the model NAME, or resume where training was killed.\n\n{_INPUTS}"
 )
-animation = _command(Animation, "run", "Write the animation NAME from the files INPUTS, as GIF.")
+figure = _command(
+    Figure, "", f"Draw the figure NAME as PNG, and beside it as PDF.\n\n{_INPUTS}"
+)
+animation = _command(Animation, "run", f"Write the animation NAME as GIF.\n\n{_INPUTS}")

@@ -50,7 +50,7 @@ class PerceptualFeatures:
             self._convolutions.append((kernel, torch.from_numpy(np.array(biases, np.float32))))
         self._means = torch.tensor(MEANS).reshape(1, 3, 1, 1)
 
-    def extract(self, images: np.ndarray) -> np.ndarray:
+    def compute(self, images: np.ndarray) -> np.ndarray:
         """Compute the features of RGB images.
 
         Parameters
@@ -69,7 +69,7 @@ class PerceptualFeatures:
             )
         if not len(images):
             return np.zeros((0, self._convolutions[-1][1].shape[0]), np.float32)
-        return np.stack([self._extract_one(image) for image in images])
+        return np.stack([self._compute_one(image) for image in images])
 
     def distances(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Compute squared feature distances between corresponding images.
@@ -92,7 +92,7 @@ class PerceptualFeatures:
         def cached_features(image: np.ndarray) -> np.ndarray:
             key = hashlib.sha256(np.ascontiguousarray(image).tobytes()).digest()
             if key not in cache:
-                cache[key] = self.extract(image[None])[0].astype(np.float64)
+                cache[key] = self.compute(image[None])[0].astype(np.float64)
             return cache[key]
 
         squared = [
@@ -102,7 +102,7 @@ class PerceptualFeatures:
         return np.array(squared, np.float64)
 
     @torch.inference_mode()
-    def _extract_one(self, image: np.ndarray) -> np.ndarray:
+    def _compute_one(self, image: np.ndarray) -> np.ndarray:
         """Features float32 (512,) of an RGB image uint8 (height, width, 3)."""
         bgr = np.ascontiguousarray(image[..., ::-1])
         x = torch.from_numpy(bgr).permute(2, 0, 1)[None].float() - self._means  # (1, 3, h, w)

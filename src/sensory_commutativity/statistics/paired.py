@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
-from statsmodels.stats.multitest import multipletests
 
 
 class McNemar(NamedTuple):
@@ -80,9 +79,12 @@ def paired_means(difference: np.ndarray, confidence: float = 0.95) -> tuple[floa
 
 
 def holm(p: np.ndarray) -> np.ndarray:
-    """Adjust the p-values of a family of tests by Holm's step-down method.
+    """Adjust the p-values of a family of tests by Holm's step-down method (Holm 1979).
 
-    Same shape; each is at most 1.
+    Same shape (n,); each is at most 1.
     """
     p = np.asarray(p, float)
-    return multipletests(p, method="holm")[1] if p.size else p
+    order = np.argsort(p)
+    adjusted = np.empty_like(p)
+    adjusted[order] = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
+    return np.minimum(adjusted, 1)

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import io
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
@@ -63,24 +64,39 @@ def read_arrays(path: Path, content: str) -> tuple[dict[str, np.ndarray], dict[s
     Raises ArrayFileError if the file is missing, damaged, of another version or of another
     `content`.
     """
+    with _open(path, content) as file:
+        arrays = {name: dataset[()] for name, dataset in file.items()}
+        metadata, digest = _metadata(file), file.attrs.get("sha256")
+    if _hash(arrays, metadata) != digest:
+        raise ArrayFileError(f"{path}: damaged, its content does not match its hash; {REMEDY}")
+    return arrays, metadata
+
+
+def read_array_metadata(path: Path, content: str) -> dict[str, str]:
+    """Read the metadata alone, without checking the hash; raises ArrayFileError as above."""
+    with _open(path, content) as file:
+        return _metadata(file)
+
+
+@contextmanager
+def _open(path: Path, content: str) -> Iterator[h5py.File]:
+    """Open a file of this content; the block reads from it."""
     if not path.is_file():
         raise ArrayFileError(f"{path}: there is no such file; run the workflow again")
     try:
         with h5py.File(path, "r") as file:
-            attributes = dict(file.attrs)
-            kind = attributes.pop("format", None), attributes.pop("content", None)
-            if kind != (FORMAT, content):
+            if (file.attrs.get("format"), file.attrs.get("content")) != (FORMAT, content):
                 raise ArrayFileError(
                     f"{path}: no file of {content}, or of another version; {REMEDY}"
                 )
-            arrays = {name: dataset[()] for name, dataset in file.items()}
-            digest = attributes.pop("sha256", None)
+            yield file
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         reason = (str(error).splitlines() or ["?"])[0][:80]
         raise ArrayFileError(f"{path}: incomplete or damaged ({reason}); {REMEDY}") from None
-    if _hash(arrays, attributes) != digest:
-        raise ArrayFileError(f"{path}: damaged, its content does not match its hash; {REMEDY}")
-    return arrays, attributes
+
+
+def _metadata(file: h5py.File) -> dict[str, str]:
+    return {key: v for key, v in file.attrs.items() if key not in ("format", "content", "sha256")}
 
 
 def pack_masks(masks: np.ndarray) -> np.ndarray:

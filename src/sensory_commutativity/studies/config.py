@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-from functools import cached_property
 from pathlib import Path, PurePath
 from typing import Annotated
 
@@ -101,11 +100,7 @@ class Config(Section):
         """Folder of the results of this run."""
         return Path(self.results) / self.profile
 
-    @cached_property
-    def _digest(self) -> str:
-        settings = json.dumps(self.model_dump(mode="json"), sort_keys=True)
-        return hashlib.sha256(settings.encode()).hexdigest()
-
     def digest(self) -> str:
         """SHA-256 of all settings, hexadecimal; independent of how the file is written."""
-        return self._digest
+        settings = json.dumps(self.model_dump(mode="json"), sort_keys=True)
+        return hashlib.sha256(settings.encode()).hexdigest()

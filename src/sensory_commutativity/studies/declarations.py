@@ -15,13 +15,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
-from typing import Any
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any
 
 from ..errors import UserError
 from ..storage.columns import Column
 from .config import Config
+
+if TYPE_CHECKING:
+    import pandas as pd  # takes a third of a second, and most commands only look names up
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from matplotlib.animation import PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
+from PIL.Image import Image
 
 from ..storage.atomic import atomic_write
 from .config import Config
@@ -70,7 +71,7 @@ MODEL_STYLES = {
 }  # fmt: skip
 """Colour, line style and marker of each model."""
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
     "axes.titlesize": 9.5,
@@ -129,6 +130,7 @@ class GifWriter(PillowWriter):
 
     def __init__(self, figure: Figure, out: Path, config: Config, fps: int, dpi: int):
         super().__init__(fps=fps)
+        self._frames: list[Image]  # set by PillowWriter.setup
         self._figure, self._dpi = figure, dpi
         self._comment = json.dumps(provenance(config))
         self._writing = atomic_write(out)
@@ -192,7 +194,7 @@ def group_colours(robot: Robot) -> dict[str, str]:
     }
 
 
-def dof_styles(robot: Robot) -> dict[str, dict[str, str]]:
+def dof_styles(robot: Robot) -> dict[str, dict[str, Any]]:
     """Line of each degree of freedom: the colour of its group, its own marker and line style."""
     colours = group_colours(robot)
     lines = ("-", "--", ":")
@@ -266,7 +268,7 @@ def slant_xticks(
     axes: Axes, labels: Sequence[str], rotation: float = 45, size: float | None = None
 ) -> None:
     """Put a slanted label at each of 0, 1, 2, ... on the x axis."""
-    style = {} if size is None else {"fontsize": size}
+    style: dict[str, Any] = {} if size is None else {"fontsize": size}
     axes.set_xticks(
         range(len(labels)), labels, rotation=rotation, ha="right", rotation_mode="anchor", **style
     )

@@ -62,9 +62,9 @@ def find(kind: type[P], name: str) -> P:
             if isinstance(product, kind):
                 return product
     close = difflib.get_close_matches(name, declarations(kind), 3)
-    command = KINDS[kind]
-    hint = f"did you mean {' or '.join(close)}?" if close else f"see: {command} --list"
-    raise UserError(f"there is no {command} {name!r}; {hint}")
+    kind_name = KINDS[kind]
+    hint = f"did you mean {' or '.join(close)}?" if close else "the option --list shows all names"
+    raise UserError(f"there is no {kind_name} {name!r}; {hint}")
 
 
 def find_table(name: str) -> Table:
@@ -115,7 +115,8 @@ def input_shards(
     return found
 
 
-_digests: dict[tuple[str, str, str | None], str] = {}
+_digests: dict[int, tuple[Config, dict[tuple[str, str, str | None], str]]] = {}
+"""Identity of a configuration -> the configuration, and the digests of products and runs."""
 
 
 def settings_digest(product: Product, config: Config, run: str | None = None) -> str:
@@ -124,10 +125,11 @@ def settings_digest(product: Product, config: Config, run: str | None = None) ->
     That is the version of the package, the root seed, its own settings, and all of that for its
     inputs. How work is cut into jobs is not part of it.
     """
-    key = (config.digest(), product.name, run)
-    if key not in _digests:
-        _digests[key] = _settings_digest(product, config, run)
-    return _digests[key]
+    _, known = _digests.setdefault(id(config), (config, {}))
+    key = (KINDS[type(product)], product.name, run)  # a figure may have the name of its table
+    if key not in known:
+        known[key] = _settings_digest(product, config, run)
+    return known[key]
 
 
 def _settings_digest(product: Product, config: Config, run: str | None) -> str:

@@ -1,4 +1,4 @@
-"""Computing what is declared: the one place where tables, arrays and models are read and written."""
+"""Computing what is declared: the one place that reads and writes tables and arrays."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pandas as pd
 
 from ..errors import TableError, UserError
 from ..storage.batches import compute_in_batches, remove_batches
-from ..storage.tables import read_metadata, read_table, write_table
+from ..storage.tables import check_key, read_metadata, read_table, write_table
 from .config import Config
 from .declarations import Animation, Arrays, Batched, Expected, Figure, Model, Product, Shard, Table
 from .provenance import provenance
@@ -121,7 +121,8 @@ def _gather(product: Table, config: Config, paths: Sequence[Path], out: Path) ->
     frame, extra = read_shards(product, config, [files[product.file(s).name] for s in shards])
     if product.gather is not None:
         frame = product.gather(frame)
-    check_complete(frame, product, config, out)
+    check_key(frame, product.key, out)
+    check_complete(frame, product, config, out, "its shards")
     metadata = {**metadata_of(product, config, None), **extra}
     write_table(out, product.name, product.columns, frame, metadata)
 
@@ -143,22 +144,25 @@ def read_product(product: Table, config: Config, path: Path) -> pd.DataFrame:
 def read_shards(
     product: Table, config: Config, paths: Sequence[Path]
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Read shards of a table, and the metadata that they share apart from their provenance."""
-    assert product.shards is not None
-    shards = {product.file(shard).name: shard for shard in product.shards.all(config)}
+    """Read shards of a table, and the further metadata of the first.
+
+    Hashes in the further metadata (keys that end with ``sha256``) must be the same in all shards.
+    """
+    shards = _shards_by_file(product, config)
     frames = []
     extra: dict[str, str] | None = None
     for path in paths:
-        shard, metadata = shards[path.name], read_metadata(path) if path.is_file() else {}
         frames.append(read_table(path, product.name, product.columns))
-        _check_settings(metadata, product, config, shard, path)
+        metadata = read_metadata(path)
+        _check_settings(metadata, product, config, shards[path.name], path)
         own = _own_metadata(metadata)
-        if extra is not None and own != extra:
-            raise TableError(
-                f"{path}: its {', '.join(own)} differ from those of {paths[0]}; "
-                f"delete the shards and {RERUN}"
-            )
-        extra = own
+        extra = own if extra is None else extra
+        for key in own.keys() | extra.keys():
+            if key.endswith("sha256") and own.get(key) != extra.get(key):
+                raise TableError(
+                    f"{path}: its {key} differs from that of {paths[0]}; delete the shards and "
+                    f"{RERUN}"
+                )
     return pd.concat(frames, ignore_index=True), extra or {}
 
 
@@ -197,14 +201,31 @@ def _match(wanted: dict[str, Any], paths: Sequence[Path], name: str) -> dict[str
 
 
 def _read_input(source: Product, config: Config, paths: list[Path]) -> Any:
-    """A table as a DataFrame, a model as its path, arrays as the paths of their files."""
+    """A table as a DataFrame, a model as its path, arrays as the paths of their files.
+
+    Tables and arrays must have been computed with the settings of `config`. Models need not, so
+    that another model can be applied to the same data.
+    """
     if isinstance(source, Table):
         if paths[0].name == source.file().name:
             return read_product(source, config, paths[0])
         return read_shards(source, config, paths)[0]
+    if isinstance(source, Arrays):
+        from ..storage.arrays import read_array_metadata  # imports h5py
+
+        shards = _shards_by_file(source, config)
+        for path in paths:
+            metadata = read_array_metadata(path, source.name)
+            _check_settings(metadata, source, config, shards[path.name], path)
     if isinstance(source, Model) and len(paths) == 1:
         return paths[0]
     return paths
+
+
+def _shards_by_file(product: Product, config: Config) -> dict[str, Shard | None]:
+    """File name -> shard, of all shards; None for a product that has none."""
+    shards = product.shards.all(config) if product.shards is not None else [None]
+    return {product.file(shard).name: shard for shard in shards}
 
 
 def model_metadata(product: Model, config: Config, run: str) -> dict[str, str]:
@@ -241,8 +262,13 @@ def _check_settings(
             )
 
 
-def check_complete(frame: pd.DataFrame, product: Table, config: Config, path: Path) -> None:
-    """Raise TableError if rows that the configuration asks for are missing, or others are there."""
+def check_complete(
+    frame: pd.DataFrame, product: Table, config: Config, path: Path, culprit: str = "it"
+) -> None:
+    """Raise TableError if rows that the configuration asks for are missing, or others are there.
+
+    `culprit` says what to delete: by default the file `path` itself.
+    """
     if product.expected is None:
         return
     expected: Expected = product.expected(config)
@@ -263,5 +289,5 @@ def check_complete(frame: pd.DataFrame, product: Table, config: Config, path: Pa
             more = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
             raise TableError(
                 f"{path}: {len(keys)} of {len(expected.counts)} groups of rows {problem}: "
-                f"{first}{more}; delete it and {RERUN}"
+                f"{first}{more}; delete {culprit} and {RERUN}"
             )

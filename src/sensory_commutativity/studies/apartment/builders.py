@@ -131,9 +131,9 @@ def contents(file: str | None, kind: Literal["robot", "scene", "weights"]) -> tu
 
         paths += load_robot(file).urdf.files
     elif kind == "scene":
-        from ...worlds.apartment.scenes.scenefile import scene_files
+        from ...worlds.apartment.scenes.scenefile import list_scene_files
 
-        paths = scene_files(file)
+        paths = list_scene_files(file)
     return tuple(sha256(path) for path in paths if path.is_file())
 
 

@@ -123,7 +123,8 @@ class ApartmentConfig(Section):
             group: ApartmentGroupConfig = getattr(self, section)
             for kind, names in (("robots", group.robots), ("scenes", group.scenes)):
                 for name in names:
-                    check_defined(name, getattr(self, kind), f"{section}.{kind}", f"apartment.{kind}")
+                    defined = getattr(self, kind)
+                    check_defined(name, defined, f"{section}.{kind}", f"apartment.{kind}")
         for name in self.free_space.scenes:
             if self.scenes[name].file is not None:
                 raise ValueError(

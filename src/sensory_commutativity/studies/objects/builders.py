@@ -111,7 +111,7 @@ def experiments_in_scene(config: Config, scene: int) -> int:
 
 
 def scene_of_pairs(config: Config, split: str, scene: int) -> SceneSampler:
-    """Where the pairs of a cluttered scene are made; objects and rooms in many colours and sizes."""
+    """Where the pairs of a scene are made; objects and rooms in many colours and sizes."""
     from ...change_detection.simulated.scene_sampler import SceneSampler  # imports PyBullet
 
     data = config.masks.data
@@ -126,7 +126,7 @@ def scene_of_pairs(config: Config, split: str, scene: int) -> SceneSampler:
 
 
 def scene_of_tests(config: Config, run: TupleRun, scene: int) -> SceneSampler:
-    """Where the SC-experiments of a cluttered scene are played; objects and rooms as they are."""
+    """Where the SC-experiments of a scene are played; objects and rooms as they are."""
     from ...change_detection.simulated.scene_sampler import SceneSampler  # imports PyBullet
 
     return SceneSampler(

@@ -87,8 +87,8 @@ class ViewClassifierConfig(Section):
 
     pairs: int = Field(
         200, ge=1, le=1_000_000,
-        description="Training pairs of each cluttered scene whose changed regions are learned from; "
-        "the first in which something moved.",
+        description="Training pairs of each cluttered scene whose changed regions are learned "
+        "from; the first in which something moved.",
     )  # fmt: skip
     samples: int = Field(
         ge=1, le=100_000_000, description="Regions shown in training, with repetitions."
@@ -99,7 +99,7 @@ class ViewClassifierConfig(Section):
 
 
 class MapConfig(Section):
-    """The local SCP over a floor (paper: 10 SC-experiments of 100 steps at each position, in Rs)."""
+    """The local SCP over a floor (paper: 10 SC-experiments of 100 steps per position, in Rs)."""
 
     scene: Name = Field(description="A key of apartment.scenes.")
     spacing: float = Field(0.4, ge=0.05, le=10, description="Metres between positions.")

@@ -70,8 +70,8 @@ def draw_examples(examples: Examples, test_sets: Sequence[str]) -> Figure:
     return figure
 
 
-def _draw_example(column: Sequence[Axes], examples: Examples, k: int) -> None:
-    """Draw both pictures of the example `k`, one below the other."""
+def _draw_example(column: np.ndarray, examples: Examples, k: int) -> None:
+    """Draw both pictures of the example `k`, one below the other, into a column of two axes."""
     arrays = examples.arrays
     overlap = arrays["overlap"][k]
     iou = f", IoU {overlap:.2f}" if np.isfinite(overlap) else ""

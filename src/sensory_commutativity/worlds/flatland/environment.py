@@ -13,7 +13,8 @@ from .room import Room
 from .world import FlatlandWorld
 
 ENVIRONMENT_ID = "SensoryCommutativity/Flatland-v0"
-MAX_EPISODE_STEPS = 300  # chosen: long enough to cross the room several times
+MAX_EPISODE_STEPS = 300
+"""Steps after which an episode is truncated. Chosen: enough to cross the room several times."""
 
 
 def action_space(agent: Polyphemus) -> spaces.Box:
@@ -123,3 +124,12 @@ class FlatlandEnv(gym.Env):
         draw_room(canvas.figure.add_subplot(), self.world)
         canvas.draw()
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+if ENVIRONMENT_ID not in gym.registry:
+    gym.register(
+        ENVIRONMENT_ID,
+        entry_point=f"{__name__}:FlatlandEnv",
+        vector_entry_point="sensory_commutativity.worlds.flatland.vector:FlatlandVectorEnv",
+        max_episode_steps=MAX_EPISODE_STEPS,
+    )

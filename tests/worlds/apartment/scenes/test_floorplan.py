@@ -6,7 +6,7 @@ import pytest
 
 from sensory_commutativity.worlds.apartment.scenes.scene import SceneError
 from sensory_commutativity.worlds.apartment.scenes.scenefile import load_scene
-from tests.worlds.apartment.scenes.scene_files import PLAN, write_scene
+from tests.worlds.apartment.scenes.examples import PLAN, write_scene
 
 ROOM = {"x": [0, 4], "y": [0, 3]}
 TABLE, BED = (

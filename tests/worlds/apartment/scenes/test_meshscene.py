@@ -11,7 +11,7 @@ import trimesh
 from sensory_commutativity.worlds.apartment.scenes.meshscene import find_floor_height
 from sensory_commutativity.worlds.apartment.scenes.scene import SceneError
 from sensory_commutativity.worlds.apartment.scenes.scenefile import load_scene
-from tests.worlds.apartment.scenes.scene_files import MESH, box_mesh, room_mesh, write_scene
+from tests.worlds.apartment.scenes.examples import MESH, box_mesh, room_mesh, write_scene
 
 
 def test_a_mesh_becomes_a_scene_whatever_its_format_scale_and_axes(tmp_path):

@@ -9,10 +9,10 @@ import pybullet
 import pytest
 
 from sensory_commutativity.worlds.apartment.scenes.scene import Scene, SceneError
-from sensory_commutativity.worlds.apartment.scenes.scenefile import load_scene, scene_files
+from sensory_commutativity.worlds.apartment.scenes.scenefile import list_scene_files, load_scene
 from sensory_commutativity.worlds.apartment.scenes.scenery import build_scenery
 from tests.helpers import ROOT
-from tests.worlds.apartment.scenes.scene_files import MESH, PLAN, write_scene
+from tests.worlds.apartment.scenes.examples import MESH, PLAN, write_scene
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +82,6 @@ def test_a_file_that_is_no_scene_is_refused(tmp_path):
 
 def test_the_files_of_a_scene_include_its_mesh(tmp_path):
     plan = write_scene(tmp_path, PLAN)
-    assert scene_files(plan) == [plan]
+    assert list_scene_files(plan) == [plan]
     mesh = write_scene(tmp_path, MESH)
-    assert scene_files(mesh) == [mesh, tmp_path / "room.ply"]
+    assert list_scene_files(mesh) == [mesh, tmp_path / "room.ply"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -53,7 +53,7 @@ def apartment_interaction(tables: dict[str, pd.DataFrame], config: Config) -> Fi
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 4.8), width_ratios=[1, 1.2])
     _draw_points(left, table, robot)
     left.set_title(
-        f"{reference.robot} in {reference.scene}; dotted: nothing that is touched commutes",
+        f"{reference.robot} in {reference.scene}; dotted: SCP = 1 − fraction touched",
         fontsize=9,
     )
     dofs = [dof.name for dof in robot.description.dofs]
@@ -116,7 +116,7 @@ def _draw_fractions(axes: Axes, rows: pd.DataFrame) -> None:
     x, bottom = np.arange(len(rows)), np.zeros(len(rows))
     for kind, name, colour in _KINDS:
         n, commuted = rows[f"n_{kind}"] / rows["n"], rows[f"commuted_{kind}"] / rows["n"]
-        style = dict(color=colour, width=0.75)
+        style: dict[str, Any] = dict(color=colour, width=0.75)
         axes.bar(x, n - commuted, bottom=bottom, label=f"{name}: does not commute", **style)
         middle = bottom + n - commuted
         axes.bar(x, commuted, bottom=middle, alpha=0.35, label=f"{name}: commutes", **style)

@@ -87,4 +87,4 @@ def _draw_correlations(axes: Axes, table: pd.DataFrame) -> None:
     axes.set_xlim(min(0.0, float(np.nanmin(table["ci_low"])) - 0.05), 1.02)
     axes.axvline(1, color=GREY, linewidth=0.8, linestyle=":")
     axes.axvline(0, color="black", linewidth=0.8)
-    axes.set_xlabel("Kendall's tau of the degrees of freedom's order with the reference")
+    axes.set_xlabel("Kendall's tau with the reference order of the degrees of freedom")

@@ -3,6 +3,8 @@ II-C)."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.axes import Axes
@@ -27,10 +29,10 @@ def flatland_commutation(tables: dict[str, pd.DataFrame], config: Config) -> Fig
     still = {dof.name for dof in dofs if not dof.displaces}
     labels = [dof_label(dof) + (" *" if dof in still else "") for dof in DOF_ORDER]
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 7.2))
-    figure.get_layout_engine().set(rect=(0.0, 0.03, 1.0, 0.94))
+    figure.set_layout_engine("constrained", rect=(0.0, 0.03, 1.0, 0.94))
     settled = flatland.commutation
     image = _draw_matrix(left, table[table["world"] == flatland.reference.world], labels)
-    left.set_title("the room as it is: some things move by themselves", pad=8)
+    left.set_title("the room as it is: some objects move by themselves", pad=8)
     _draw_matrix(right, table[table["world"] == settled.settled_world], labels)
     right.set_title(f"nothing moves by itself, {settled.settled_rest_steps} steps of rest", pad=8)
     right.set_yticks([])
@@ -56,7 +58,8 @@ def _draw_matrix(axes: Axes, table: pd.DataFrame, labels: list[str]) -> AxesImag
     )
     image = axes.imshow(probability, vmin=0, vmax=1, cmap="cividis")
     for (i, j), value in pd.DataFrame(probability).stack().items():
-        style = dict(ha="center", va="center", color="black" if value > 0.55 else "white")
+        colour = "black" if value > 0.55 else "white"
+        style: dict[str, Any] = dict(ha="center", va="center", color=colour)
         half = f"±{(high[i, j] - low[i, j]) / 2:.3f}"
         axes.text(j, i - 0.1, format_probability(value, 3), fontsize=8, **style)
         axes.text(j, i + 0.25, half, fontsize=6, **style)

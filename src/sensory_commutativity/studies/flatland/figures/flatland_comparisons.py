@@ -3,6 +3,8 @@ section III-C)."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.figure import Figure
@@ -30,7 +32,7 @@ def flatland_comparisons(tables: dict[str, pd.DataFrame], config: Config) -> Fig
     figure, axes = plt.subplots(figsize=(8, 5.6))
     y, ticks, n = 0.0, [], 0
     for (name, pairs), colour in zip(steps.items(), _COLOURS, strict=True):
-        style = dict(xycoords=("axes fraction", "data"), va="center")
+        style: dict[str, Any] = dict(xycoords=("axes fraction", "data"), va="center")
         axes.annotate(name, (0.01, -y), fontweight="bold", color=colour, **style)
         y += 1
         for low, high in pairs:

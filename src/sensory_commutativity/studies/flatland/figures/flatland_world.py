@@ -4,7 +4,7 @@ used for our experiments")."""
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -64,14 +64,14 @@ def _draw_notes(axes: Axes, world: FlatlandWorld) -> None:
         0, 0.98, "\n".join(lines), va="top", family="DejaVu Sans Mono", fontsize=7.5,
         transform=axes.transAxes,
     )  # fmt: skip
-    disc = dict(marker="o", markersize=12, linestyle="")
+    disc: dict[str, Any] = dict(marker="o", markersize=12, linestyle="")
     disc |= dict(markerfacecolor="#dddddd", markeredgecolor="black")
-    path = dict(color="black", linestyle=":", linewidth=1.4)
-    sight = dict(marker="s", markersize=12, color="#ffd94d", alpha=0.5, linestyle="")
+    path: dict[str, Any] = dict(color="black", linestyle=":", linewidth=1.4)
+    sight: dict[str, Any] = dict(marker="s", markersize=12, alpha=0.5, linestyle="")
     handles = [
         Line2D([], [], markeredgewidth=2.4, label="fixed", **disc),
         Line2D([], [], markeredgewidth=0.8, label="movable", **disc),
         Line2D([], [], label="moving (dotted outline), along the dotted path", **path),
-        Line2D([], [], label="field of view", **sight),
+        Line2D([], [], label="field of view", color="#ffd94d", **sight),
     ]
     axes.legend(handles=handles, loc="lower left", labelspacing=1.4, fontsize=8)

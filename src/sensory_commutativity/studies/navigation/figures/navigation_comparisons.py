@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
@@ -39,7 +41,7 @@ def navigation_comparisons(tables: dict[str, pd.DataFrame], config: Config) -> F
     panel.draw_intervals(MANN_WHITNEY, 3.6, 1)
     panel.draw_points(MANN_WHITNEY, "effect_size", 1, 0.5)
     grid[3].set_xlim(-0.03, 1.03)
-    grid[3].set_xlabel("probability that a run of the first\nis sooner at the threshold")
+    grid[3].set_xlabel("probability that a run of the first\nreaches the threshold sooner")
     n_paper = sum(family == "paper" for family, _, _ in order)
     if n_paper < len(order):
         for axes in grid:
@@ -79,7 +81,7 @@ class _Panel:
     def draw_intervals(self, test: str, width: float, unit: float) -> None:
         """Draw the interval of each pair as a grey line."""
         rows = self._rows(test)
-        style = dict(color=GREY, linewidth=width, solid_capstyle="butt", zorder=2)
+        style: dict[str, Any] = dict(color=GREY, linewidth=width, solid_capstyle="butt", zorder=2)
         for y, ends in enumerate(zip(rows["ci_low"] / unit, rows["ci_high"] / unit, strict=True)):
             self.axes.plot(ends, [y, y], **style)
 
@@ -90,7 +92,7 @@ class _Panel:
             significant = row["p_adjusted"] < self.alpha
             colour = BLUE if significant else DARK_GREY
             fill = colour if significant else "white"
-            style = dict(marker="o", markersize=5, zorder=3)
+            style: dict[str, Any] = dict(marker="o", markersize=5, zorder=3)
             self.axes.plot(row[column] / unit, y, color=colour, markerfacecolor=fill, **style)
             text = format_p_value(row["p_adjusted"])
             if test == WELCH and self._disagrees(*pair[1:]):

@@ -3,6 +3,8 @@ Results")."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
@@ -99,7 +101,7 @@ def _draw_differences(
         rows = significant[(significant["a"] == a) & (significant["b"] == b)]
         for step, difference in zip(rows["step"], rows["difference"], strict=True):
             better = a if difference > 0 else b
-            style = dict(marker=SPACE_MARKERS[better], color=SPACE_COLOURS[better])
+            style: dict[str, Any] = dict(marker=SPACE_MARKERS[better], color=SPACE_COLOURS[better])
             axes.plot(step / 1000, y, markersize=4, **style)
         transform = axes.get_yaxis_transform()
         axes.text(1.01, y, f"{a} − {b}", fontsize=7.5, va="center", transform=transform)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
@@ -44,10 +46,10 @@ def navigation_scores(tables: dict[str, pd.DataFrame], config: Config) -> Figure
     success.axhline(navigation.solved_success_rate, color=GREY, linewidth=0.8, linestyle=":")
     threshold = navigation.threshold_return
     steps.set_title(f"threshold: a mean return of {threshold:g}", fontsize=8.5, pad=16)
-    point, open_point = dict(color=DARK_GREY, linestyle=""), dict(markerfacecolor="none")
+    point: dict[str, Any] = dict(color=DARK_GREY, linestyle="")
     handles = [
         Line2D([], [], marker="o", alpha=0.6, label="a run", **point),
-        Line2D([], [], marker="^", label="censored: not reached", **point, **open_point),
+        Line2D([], [], marker="^", label="censored: not reached", markerfacecolor="none", **point),
         Line2D([], [], marker="D", color=DARK_GREY, label="mean, 95 % interval"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
@@ -65,7 +67,7 @@ def _draw_runs(axes: Axes, x: float, runs: pd.DataFrame, summary: pd.Series, mea
     colour, values = SPACE_COLOURS[runs["action_space"].iloc[0]], runs[measure].to_numpy() / unit
     xs = x + _spread(len(runs))
     axes.scatter(xs[reached], values[reached], s=16, color=colour, alpha=0.55, linewidth=0)
-    style = dict(s=20, facecolor="none", edgecolor=colour, marker="^")
+    style: dict[str, Any] = dict(s=20, facecolor="none", edgecolor=colour, marker="^")
     axes.scatter(xs[~reached], values[~reached], **style)
     mean, low, high = summary[["mean", "mean_low", "mean_high"]] / unit
     error = error_lengths([mean], [low], [high])

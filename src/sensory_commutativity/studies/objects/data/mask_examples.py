@@ -1,5 +1,5 @@
-"""Pictures for figures: pairs of the data set, and SC-experiments with predictions, chosen by a rule
-and not by looks.
+"""Pictures for figures: pairs of the data set, and SC-experiments with predictions, chosen by a
+rule and not by looks.
 
 Of each test set these are the tuples in which something moved at the 10th, 50th and 90th percentile
 of the overlap, and the first tuple of each other outcome.

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @model(
-    title="Models that find what changed, without a view classifier and with default thresholds",
+    title="Models that find what changed, without a view classifier",
     path="data/mask_training/{run}.predictor",
     curve="mask_curves",
     inputs=["mask_pairs/training", "mask_pairs/validation"],

@@ -43,7 +43,7 @@ def local_scp(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         f"{settings.sequence_length} steps;\n"
         "a wedge for each heading, none where there is no room to stand",
         "truth: metres from the swept arm to the nearest\n"
-        "immovable thing, below 0 where it would be inside",
+        "immovable object, below 0 where the arm would be inside it",
     )
     for axes, title in zip((left, middle, right), titles, strict=True):
         axes.imshow(plan, extent=extent, alpha=1.0 if axes is left else 0.35)

@@ -12,8 +12,8 @@ from ...plotting import MODEL_LABELS, MODEL_STYLES
 
 _MEASURES = {
     "loss": "training loss",
-    "accuracy": "accuracy of the three outcomes,\nheld-out pairs",
-    "iou": "mean IoU where something moved,\nheld-out pairs",
+    "accuracy": "accuracy of the three outcomes,\nvalidation pairs",
+    "iou": "mean IoU where something moved,\nvalidation pairs",
 }
 
 
@@ -44,8 +44,8 @@ def mask_curves(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     grid[0].legend()
     data = config.masks.data
     figure.suptitle(
-        f"{3 * data.pairs:,} pairs to learn from, {3 * data.validation_pairs:,} held out; "
-        "one run each",
+        f"{3 * data.pairs:,} training pairs, {3 * data.validation_pairs:,} validation pairs; "
+        "one training run each",
         fontsize=9,
     )
     return figure

@@ -38,7 +38,7 @@ def mask_discoveries(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         axes.set_xticks(range(len(table)), labels, fontsize=8)
     figure.suptitle(
         f"n = {table['n'].iloc[0]} experiments with random sequences, from the same starts; "
-        "95 % intervals: bootstrap over households; RAFT decides",
+        "95 % intervals: bootstrap over cluttered scenes; predicted by RAFT",
         fontsize=9,
     )
     return figure
@@ -46,10 +46,10 @@ def mask_discoveries(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
 
 def _draw_discoveries(axes: Axes, table: pd.DataFrame) -> None:
     """Draw the discovery rate of each comparison, with the p-value against SC-experiments."""
-    rate, style = table["discovery_rate"].to_numpy(), dict(ecolor="#444444", capsize=3)
+    rate = table["discovery_rate"].to_numpy()
     axes.bar(range(len(table)), rate, color=VERMILION, width=0.6)
     error = error_lengths(rate, table["ci_low"], table["ci_high"])
-    axes.errorbar(range(len(table)), rate, yerr=error, fmt="none", **style)
+    axes.errorbar(range(len(table)), rate, yerr=error, fmt="none", ecolor="#444444", capsize=3)
     for k, row in table.iterrows():
         p = "" if row["comparison"] == "sc-experiment" else f"\n{format_p_value(row['p'])}"
         annotate_above(axes, k, row["ci_high"], f"{row['discovery_rate']:.1f}{p}", 8)
@@ -68,6 +68,6 @@ def _draw_contacts(axes: Axes, table: pd.DataFrame) -> None:
         axes.bar(x, rate, color=colour, width=0.34, label=label)
         error = np.nan_to_num(error_lengths(rate, table[f"{kind}_low"], table[f"{kind}_high"]))
         axes.errorbar(x, rate, yerr=error, fmt="none", ecolor="#444444", capsize=3)
-    axes.set_ylabel('fraction that is called "different"')
+    axes.set_ylabel('fraction predicted as "different"')
     axes.set_ylim(0, 1.25)
     axes.legend(loc="upper right", fontsize=8)

@@ -3,6 +3,8 @@ mean beside the accuracy."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
@@ -69,14 +71,15 @@ def _draw_means(axes: Axes, rows: pd.DataFrame) -> None:
     """Draw mean IoU and accuracy of each model; `rows` are those of a test set, by model."""
     for x, (model, row) in enumerate(rows.iterrows()):
         colour, _, marker = MODEL_STYLES[model]
-        style = dict(color=colour, marker=marker, markersize=6, capsize=3, linestyle="none")
+        style: dict[str, Any] = dict(color=colour, marker=marker, markersize=6, capsize=3)
         for dx, fill, columns in (
             (0.0, colour, ["mean_iou", "iou_ci_low", "iou_ci_high"]),
             (0.3, "white", ["accuracy", "ci_low", "ci_high"]),
         ):
             value, low, high = row[columns]
             error = error_lengths([value], [low], [high])
-            axes.errorbar(x + dx, value, yerr=error, markerfacecolor=fill, **style)
+            style |= dict(markerfacecolor=fill, linestyle="none")
+            axes.errorbar(x + dx, value, yerr=error, **style)
             annotate_above(axes, x + dx, value, f"{value:.2f}", 7, gap=9)
     labels = [MODEL_LABELS[model].replace(" ", "\n") for model in rows.index]
     axes.set_xticks(np.arange(len(rows)) + 0.15, labels, fontsize=7)

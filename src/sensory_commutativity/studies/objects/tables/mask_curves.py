@@ -3,8 +3,10 @@ training")."""
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
+from typing import NoReturn
 
+from ....errors import UserError
 from ....storage.columns import FLOAT, INT, Column
 from ...config import Config
 from ...declarations import Shards, table
@@ -34,6 +36,8 @@ from ..columns import MODEL
     inputs=["mask_pairs/training", "mask_pairs/validation"],
     shards=Shards(runs=trained_models, settings=training_settings),
 )  # fmt: skip
-def mask_curves(config: Config, run: str) -> Any:
-    """The curve of one model, which training writes (``train mask_training``)."""
-    raise ValueError("training curves are written by training: train mask_training")
+def mask_curves(
+    training: list[Path], validation: list[Path], config: Config, run: str
+) -> NoReturn:
+    """The curve of one model, which training writes. Raises UserError."""
+    raise UserError(f"training writes its curve itself: train mask_training --run {run}")

@@ -7,6 +7,8 @@ and tests.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -33,74 +35,80 @@ def summarize_comparisons(alternatives: pd.DataFrame, rng: np.random.Generator) 
         The rows of mask_alternatives of that kind.
     rng : numpy.random.Generator
     """
-    from ....statistics.aggregates import percentile_interval
-    from ....statistics.clusters import (
-        cluster_means,
-        paired_cluster_difference,
-        resample_clusters,
-    )
-    from ....statistics.paired import mcnemar
+    from ....statistics.clusters import resample_clusters
 
     tables = {
         name: rows.set_index("experiment").sort_index()
         for name, rows in alternatives.groupby("comparison")
     }
-    discovered = {name: is_discovery(table) for name, table in tables.items()}
-    different = {
-        name: (table["outcome_predicted"] == "different").to_numpy()
-        for name, table in tables.items()
-    }
-    reference = COMPARISONS[0]
-    touched = tables[reference]["touched_first"].to_numpy()
-    untouched = ~tables[reference]["touched"].to_numpy()
-    scene = tables[reference]["household"]
-    clusters, counts = resample_clusters(scene, RESAMPLES, rng)
+    reference = tables[COMPARISONS[0]]
+    resamples = resample_clusters(reference["household"], RESAMPLES, rng)
+    return pd.DataFrame(
+        [
+            dict(comparison=name, **_compare(tables[name], reference, resamples))
+            for name in COMPARISONS
+        ]
+    )
 
-    def rate(values: np.ndarray) -> tuple[float, float, float]:
-        """Mean of `values` (n,), ignoring NaN, with its interval: bootstrap over scenes."""
-        if not np.isfinite(values).any():
-            return np.nan, np.nan, np.nan
-        with np.errstate(invalid="ignore", divide="ignore"):
-            means = cluster_means(values, clusters, counts)
-        return float(np.nanmean(values)), *percentile_interval(means[np.isfinite(means)], 0.95)
 
-    rows = []
-    for comparison in COMPARISONS:
-        predicted = tables[comparison]["outcome_predicted"]
-        truth = tables[comparison]["outcome_true"]
-        discovery_rate, low, high = rate(100.0 * discovered[comparison])
-        tpr = rate(np.where(touched, different[comparison], np.nan))
-        fpr = rate(np.where(untouched, different[comparison], np.nan))
-        _, difference, *_, p = paired_cluster_difference(
-            100.0 * discovered[comparison] - 100.0 * discovered[reference], scene
+def _compare(
+    table: pd.DataFrame, reference: pd.DataFrame, resamples: tuple[Any, Any]
+) -> dict[str, float]:
+    """One comparison against the SC-experiments `reference`, from the same starts.
+
+    `resamples` are the clusters and counts of :func:`.statistics.clusters.resample_clusters`.
+    """
+    from ....statistics.clusters import paired_cluster_difference
+    from ....statistics.paired import mcnemar
+
+    scene = reference["household"]
+    touched, untouched = reference["touched_first"].to_numpy(), ~reference["touched"].to_numpy()
+    discovered, discovered_reference = is_discovery(table), is_discovery(reference)
+    different, different_reference = (
+        (rows["outcome_predicted"] == "different").to_numpy() for rows in (table, reference)
+    )
+    rate, low, high = _rate(100.0 * discovered, resamples)
+    tpr = _rate(np.where(touched, different, np.nan), resamples)
+    fpr = _rate(np.where(untouched, different, np.nan), resamples)
+    _, difference, *_, p = paired_cluster_difference(
+        100.0 * discovered - 100.0 * discovered_reference, scene
+    )
+    tpr_difference, tpr_p = np.nan, np.nan
+    if touched.any():
+        _, tpr_difference, *_, tpr_p = paired_cluster_difference(
+            (different - 1.0 * different_reference)[touched], scene[touched]
         )
-        tpr_difference, tpr_p = np.nan, np.nan
-        if touched.any():
-            _, tpr_difference, *_, tpr_p = paired_cluster_difference(
-                (different[comparison] - 1.0 * different[reference])[touched], scene[touched]
-            )
-        rows.append(
-            dict(
-                comparison=comparison,
-                n=len(truth),
-                n_moved=int((truth == "moved").sum()),
-                discovered=int(discovered[comparison].sum()),
-                discovery_rate=discovery_rate,
-                ci_low=low,
-                ci_high=high,
-                false_alarms=int(((predicted == "moved") & (truth != "moved")).sum()),
-                difference=difference,
-                p=p,
-                p_experiments=mcnemar(discovered[comparison], discovered[reference]).p,
-                n_touched=int(touched.sum()),
-                **dict(zip(("tpr", "tpr_low", "tpr_high"), tpr, strict=True)),
-                tpr_difference=tpr_difference,
-                tpr_p=tpr_p,
-                n_untouched=int(untouched.sum()),
-                **dict(zip(("fpr", "fpr_low", "fpr_high"), fpr, strict=True)),
-            )
-        )
-    return pd.DataFrame(rows)
+    truth = table["outcome_true"]
+    return dict(
+        n=len(table),
+        n_moved=int((truth == "moved").sum()),
+        discovered=int(discovered.sum()),
+        discovery_rate=rate,
+        ci_low=low,
+        ci_high=high,
+        false_alarms=int(((table["outcome_predicted"] == "moved") & (truth != "moved")).sum()),
+        difference=difference,
+        p=p,
+        p_experiments=mcnemar(discovered, discovered_reference).p,
+        n_touched=int(touched.sum()),
+        **dict(zip(("tpr", "tpr_low", "tpr_high"), tpr, strict=True)),
+        tpr_difference=tpr_difference,
+        tpr_p=tpr_p,
+        n_untouched=int(untouched.sum()),
+        **dict(zip(("fpr", "fpr_low", "fpr_high"), fpr, strict=True)),
+    )
+
+
+def _rate(values: np.ndarray, resamples: tuple[Any, Any]) -> tuple[float, float, float]:
+    """Mean of `values` (n,), ignoring NaN, with its interval: bootstrap over scenes."""
+    from ....statistics.aggregates import percentile_interval
+    from ....statistics.clusters import cluster_means
+
+    if not np.isfinite(values).any():
+        return np.nan, np.nan, np.nan
+    with np.errstate(invalid="ignore", divide="ignore"):
+        means = cluster_means(values, *resamples)
+    return float(np.nanmean(values)), *percentile_interval(means[np.isfinite(means)], 0.95)
 
 
 def is_discovery(rows: pd.DataFrame) -> np.ndarray:
@@ -136,7 +144,8 @@ def _nullable(name: str, description: str) -> Column:
         ),
         Column("p", FLOAT, "1", "paired t-test of that difference, over cluttered scenes"),
         Column(
-            "p_experiments", FLOAT, "1", "exact McNemar test of it, as if experiments were independent"
+            "p_experiments", FLOAT, "1",
+            "exact McNemar test of it, as if experiments were independent",
         ),
         Column("n_touched", INT, "1", "experiments whose first order touched an immovable object"),
         _nullable("tpr", "true positive rate: the fraction of them predicted as different"),

@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 
 from ....storage.columns import FLOAT, INT, TEXT, Column
-from ...config import Config
 from ...declarations import Batched, Shards, table
 from ..builders import MODELS, tuple_runs
 from ..columns import HOUSEHOLD, MODEL, OUTCOME_TRUE, TEST_SET
@@ -118,7 +117,9 @@ def first_of_each_outcome(outcomes: Sequence[np.ndarray], n: int) -> list[np.nda
             "empty", nullable=True,
         ),
         Column("iou_2", FLOAT, "1", "of the second mask", nullable=True),
-        Column("intersection", INT, "pixels", "of predicted and true masks, summed over both views"),
+        Column(
+            "intersection", INT, "pixels", "of predicted and true masks, summed over both views"
+        ),
         Column("union", INT, "pixels", "of predicted and true masks, summed over both views"),
         Column("mask", INT, "pixels", "true masks, summed over both views"),
     ),
@@ -139,11 +140,12 @@ def mask_scores(predictor: Path, *arguments) -> Batched:
 
     *tuples, config, model = arguments
     loaded = load_predictor(predictor, model)
+    n = config.masks.tests.tuples
     files: list[tuple[Path, dict[str, np.ndarray]]] = []  # file, and rows that each test set takes
     for run, paths in zip(tuple_runs(config).values(), tuples, strict=True):
         truths = [read_arrays(path, "mask_tuples")[0]["outcome"][:, :, 0] for path in paths]
         chosen = {
-            name: first_of_each_outcome([truth[:, k] for truth in truths], config.masks.tests.tuples)
+            name: first_of_each_outcome([truth[:, k] for truth in truths], n)
             for k, name in enumerate(run.sets)
         }
         files += [

@@ -20,7 +20,7 @@ MAX_LOW_HEIGHT = 1.0
 """Metres: what is lower never hides the robot; chosen: the height of tables and counters."""
 
 
-def scene_extent(scene: Scene) -> tuple[float, float, float, float]:
+def compute_extent(scene: Scene) -> tuple[float, float, float, float]:
     """Return the extent (left, right, bottom, top) of a scene's areas, metres."""
     return (
         min(area.x[0] for area in scene.areas),
@@ -50,7 +50,7 @@ def render_plan(
     tuple of float
         Its extent (left, right, bottom, top) on the floor, metres.
     """
-    left, right, bottom, top = scene_extent(simulation.scene)
+    left, right, bottom, top = compute_extent(simulation.scene)
     left, right, bottom, top = left - MARGIN, right + MARGIN, bottom - MARGIN, top + MARGIN
     width = round((right - left) * pixels_per_metre)
     height = round((top - bottom) * pixels_per_metre)

@@ -25,8 +25,8 @@ LIGHT = np.array([0.35, 0.5, 0.79]) / math.sqrt(0.35**2 + 0.5**2 + 0.79**2)
 BACKGROUND = (0.72, 0.80, 0.90)
 """Colour where there is no face; chosen: sky blue."""
 _TOLERANCE = 1e-9
-"""Samples this little outside a face still belong to it, so that rounding leaves no gap between
-adjacent faces; chosen: far below the size of a pixel."""
+"""Samples this little outside a face still belong to it. Otherwise rounding would leave gaps
+between adjacent faces. Chosen: far below the size of a pixel."""
 
 
 class Triangles(NamedTuple):

@@ -1,8 +1,8 @@
 """Procedural textures: wood, brick, carpet, tiles, wallpaper, books, pictures.
 
-They are generated rather than photographed, so that no image files have to be shipped. Each is a
-square of TEXTURE_SIZE pixels, made to be repeated, and is multiplied by the colour of the part that
-it covers. All patterns and seeds are chosen by eye.
+They are generated, because then no image files have to be shipped. Each is a square of
+TEXTURE_SIZE pixels, made to be repeated, and is multiplied by the colour of the part that it
+covers. All patterns and seeds are chosen by eye.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import frames as fr
 from ..scenes.scenery import WEIGHTLESS
-from ..scenes.shapes import hull_points, write_hull_obj
+from ..scenes.shapes import compute_hull_points, write_hull_obj
 from .robot import Robot
 from .urdf import Link, Shape
 from .visuals import load_shape_mesh
@@ -171,7 +171,7 @@ def _add_collision(link: ET.Element, collider: Collider, folder: Path | None) ->
         assert folder is not None
         file = f"{collider.name}.obj"
         vertices = load_shape_mesh(shape).vertices * shape.size
-        write_hull_obj(folder / file, hull_points(fr.apply(collider.frame, vertices)))
+        write_hull_obj(folder / file, compute_hull_points(fr.apply(collider.frame, vertices)))
         ET.SubElement(geometry, "mesh", filename=file)
         return
     _add_origin(collision, collider.frame)

@@ -1,4 +1,4 @@
-"""Pieces of a scene file that floor plans and mesh scenes share."""
+"""Parts of a scene file that floor plans and mesh scenes share."""
 
 from __future__ import annotations
 

@@ -117,13 +117,15 @@ def build_floor_plan(plan: FloorPlan, path: Path) -> Scene:
     _check_doors(plan, source)
     names = [item.name or f"{item.type}-{i + 1}" for i, item in enumerate(plan.furniture)]
     check_unique_names(names, "furniture", source)
-    fixtures = [fixture for name, room in plan.rooms.items() for fixture in _room(plan, name, room)]
+    fixtures = [
+        fixture for name, room in plan.rooms.items() for fixture in _build_room(plan, name, room)
+    ]
     surfaces: dict[str, Surface | None] = {}
     for name, item in zip(names, plan.furniture, strict=True):
-        fixtures.append(_furniture(plan, name, item, source))
-        surfaces[name] = _surface(item)
+        fixtures.append(_build_furniture(plan, name, item, source))
+        surfaces[name] = _find_surface(item)
     movables = tuple(
-        _object(description, i + 1, surfaces, plan, source)
+        _build_object(description, i + 1, surfaces, plan, source)
         for i, description in enumerate(plan.objects)
     )
     check_unique_names([movable.name for movable in movables], "objects", source)
@@ -173,7 +175,7 @@ def _overlap(first: Room, second: Room) -> bool:
 
 def _check_doors(plan: FloorPlan, source: str) -> None:
     for i, door in enumerate(plan.doors):
-        sides = [side for room in plan.rooms.values() for side in _sides(room)]
+        sides = [side for room in plan.rooms.values() for side in _list_sides(room)]
         if sum(_is_in(door, side) for side in sides) != 2:
             raise SceneError(
                 f"{source}: doors[{i}]: no wall between two rooms has a place for a door "
@@ -205,7 +207,7 @@ class _Side(NamedTuple):
     high: float
 
 
-def _sides(room: Room) -> Iterator[_Side]:
+def _list_sides(room: Room) -> Iterator[_Side]:
     yield _Side("south", 0, room.y[0], room.x[0], room.x[1])
     yield _Side("north", 0, room.y[1], room.x[0], room.x[1])
     yield _Side("west", 1, room.x[0], room.y[0], room.y[1])
@@ -221,7 +223,7 @@ def _is_in(door: Door, side: _Side) -> bool:
     )
 
 
-def _room(plan: FloorPlan, name: str, room: Room) -> Iterator[Fixture]:
+def _build_room(plan: FloorPlan, name: str, room: Room) -> Iterator[Fixture]:
     x, y = (room.x[0] + room.x[1]) / 2, (room.y[0] + room.y[1]) / 2
     half = ((room.x[1] - room.x[0]) / 2, (room.y[1] - room.y[0]) / 2, SLAB_THICKNESS / 2)
     floor = transform(box(half), (x, y, -SLAB_THICKNESS / 2))
@@ -231,7 +233,7 @@ def _room(plan: FloorPlan, name: str, room: Room) -> Iterator[Fixture]:
     yield Fixture(f"{name} floor", (floor_part,), ())
     ceiling_part = Part(ceiling, as_vector(plan.ceiling_colour), "plaster")
     yield Fixture(f"{name} ceiling", (ceiling_part,), (), overhead=True)
-    for side in _sides(room):
+    for side in _list_sides(room):
         doors = sorted(
             (door for door in plan.doors if _is_in(door, side)),
             key=lambda door: door.at[side.axis],
@@ -240,14 +242,16 @@ def _room(plan: FloorPlan, name: str, room: Room) -> Iterator[Fixture]:
         for number, door in enumerate([*doors, None], start=1):
             end = side.high if door is None else door.at[side.axis] - door.width / 2
             label = f"{name} {side.name} wall {number}"
-            yield _wall(plan, room, label, side, (start, end), (0.0, plan.height))
+            yield _build_wall(plan, room, label, side, (start, end), (0.0, plan.height))
             if door is not None:
                 start = door.at[side.axis] + door.width / 2
                 label = f"{name} {side.name} lintel {number}"
-                yield _wall(plan, room, label, side, (end, start), (door.height, plan.height), True)
+                yield _build_wall(
+                    plan, room, label, side, (end, start), (door.height, plan.height), True
+                )
 
 
-def _wall(
+def _build_wall(
     plan: FloorPlan,
     room: Room,
     name: str,
@@ -256,7 +260,7 @@ def _wall(
     rise: tuple[float, float],
     overhead: bool = False,
 ) -> Fixture:
-    """The room's half of a wall over the horizontal range `run` and the vertical range `rise`."""
+    """Build the room's half of a wall over the horizontal range `run` and vertical range `rise`."""
     inward = 1 if side.name in ("south", "west") else -1
     thickness = plan.wall / 2
     half, centre = [0.0] * 3, [0.0] * 3
@@ -271,7 +275,7 @@ def _wall(
 # ---- furniture and objects -----------------------------------------------------------------------
 
 
-def _furniture(plan: FloorPlan, name: str, item: Furniture, source: str) -> Fixture:
+def _build_furniture(plan: FloorPlan, name: str, item: Furniture, source: str) -> Fixture:
     if item.type not in FURNITURE:
         raise SceneError(
             f"{source}: furniture: there is no type {item.type!r}; "
@@ -293,7 +297,7 @@ def _furniture(plan: FloorPlan, name: str, item: Furniture, source: str) -> Fixt
     half_heading = math.radians(item.heading) / 2
     rotation: Quaternion = (0.0, 0.0, math.sin(half_heading), math.cos(half_heading))
     blocks = kind.build(size, colour, texture)
-    parts = tuple(_part(block, frame, rotation) for block in blocks)
+    parts = tuple(_build_part(block, frame, rotation) for block in blocks)
     solids = tuple(
         Solid(block.kind, block.size, _to_world(frame, block.centre), rotation)
         for block in blocks
@@ -307,7 +311,7 @@ def _to_world(frame: np.ndarray, point: Vector) -> Vector:
     return float(x), float(y), float(z)
 
 
-def _part(block: Block, frame: np.ndarray, rotation: Quaternion) -> Part:
+def _build_part(block: Block, frame: np.ndarray, rotation: Quaternion) -> Part:
     if block.kind == "cylinder":
         radius, half_height = block.size
         mesh = cylinder(radius, half_height, sides=14)
@@ -317,8 +321,8 @@ def _part(block: Block, frame: np.ndarray, rotation: Quaternion) -> Part:
     return Part(mesh, block.colour, block.texture)
 
 
-def _surface(item: Furniture) -> Surface | None:
-    """The surface that objects stand on, or None if the furniture has none."""
+def _find_surface(item: Furniture) -> Surface | None:
+    """Find the surface that objects stand on, or None if the furniture has none."""
     kind = FURNITURE[item.type]
     if kind.surface is None:
         return None
@@ -327,7 +331,7 @@ def _surface(item: Furniture) -> Surface | None:
     return item.at[0], item.at[1], height, math.radians(item.heading)
 
 
-def _object(
+def _build_object(
     description: ObjectDescription,
     number: int,
     surfaces: Mapping[str, Surface | None],

@@ -1,7 +1,7 @@
 """Furniture types: how each is assembled from blocks, at sizes common in homes.
 
-Blocks are boxes and cylinders, most of them solid. The origin of a piece's frame is on the floor
-below its centre and its front faces x. Sizes are (depth x, width y, height z) in metres.
+Blocks are boxes and cylinders, most of them solid. The origin of a frame is on the floor below
+the centre of the furniture, whose front faces x. Sizes are (depth x, width y, height z) in metres.
 
 All dimensions in the builder functions are chosen by eye after common products.
 """

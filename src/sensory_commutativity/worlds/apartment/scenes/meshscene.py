@@ -29,8 +29,8 @@ vary less."""
 MIN_FLOOR_AREA = 0.5
 """Square metres: smaller surfaces are no floor; chosen: a robot covers about a quarter of it."""
 MAX_BUMP_HEIGHT = 0.03
-"""Metres: faces that rise less above the floor do not collide, so that a robot does not stand
-inside its own floor; chosen: the unevenness of scans."""
+"""Metres: faces that rise less above the floor do not collide. Otherwise a robot would stand inside
+its own floor. Chosen: the unevenness of scans."""
 START_CELL = 0.25
 """Metres: side of the squares of floor in which a robot may start if the scene names no areas;
 chosen: half the width of a robot."""
@@ -104,8 +104,8 @@ def build_mesh_scene(settings: MeshScene, path: Path) -> Scene:
             f"({settings.up}), or give the height of the floor"
         )
     mesh = replace(mesh, vertices=vertices - (0, 0, floor))
-    solid = _collision_solid(mesh, MAX_BUMP_HEIGHT)
-    fixture = Fixture("mesh", tuple(_parts(mesh, colours)), (solid,) if solid else ())
+    solid = _build_solid(mesh, MAX_BUMP_HEIGHT)
+    fixture = Fixture("mesh", tuple(_split_by_colour(mesh, colours)), (solid,) if solid else ())
     areas = tuple(
         Area(area.name, (area.x[0], area.x[1]), (area.y[0], area.y[1])) for area in settings.areas
     )
@@ -154,12 +154,12 @@ def find_floor_height(vertices: np.ndarray, faces: np.ndarray) -> float | None:
     float or None
         Metres; None if there is no such surface.
     """
-    corners, normals = _corners_and_normals(vertices, faces)
+    corners, normals = _compute_normals(vertices, faces)
     areas = np.linalg.norm(normals, axis=1) / 2
     # Prefer faces that look up; fall back to any, since the faces of scans may be flipped.
     for vertical in (normals[:, 2], np.abs(normals[:, 2])):
         level = vertical > MIN_LEVEL_COSINE * 2 * areas
-        height = _lowest_surface(corners[level, :, 2].mean(1), areas[level])
+        height = _find_lowest_surface(corners[level, :, 2].mean(1), areas[level])
         if height is not None:
             return height
     return None
@@ -168,10 +168,10 @@ def find_floor_height(vertices: np.ndarray, faces: np.ndarray) -> float | None:
 def find_floor_areas(mesh: Mesh) -> Iterator[Area]:
     """Yield squares of side START_CELL whose centres are above floor at z = 0.
 
-    Rooms are seldom rectangles, so that larger areas would not fit. A mesh without a level face at
-    z = 0, whose floor height was given by the user, yields its bounding rectangle.
+    The squares are small because rooms are seldom rectangles. A mesh without a level face at z = 0,
+    whose floor height the user set, yields its bounding rectangle.
     """
-    corners, normals = _corners_and_normals(mesh.vertices, mesh.faces)
+    corners, normals = _compute_normals(mesh.vertices, mesh.faces)
     level = np.abs(normals[:, 2]) > MIN_LEVEL_COSINE * np.linalg.norm(normals, axis=1)
     level &= (np.abs(corners[:, :, 2]) <= HEIGHT_BIN).all(1)
     triangles = corners[level, :, :2]  # (k, 3, 2)
@@ -211,13 +211,13 @@ def _cover(
     covered[np.ix_(i, j)] |= (sides >= 0).all(0) | (sides <= 0).all(0)
 
 
-def _corners_and_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (m, 3, 3) of the faces and their normals (m, 3), twice as long as the face's area."""
+def _compute_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (m, 3, 3) and normals (m, 3) of the faces; a normal is twice as long as the area."""
     corners = vertices[faces]
     return corners, np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
-def _lowest_surface(heights: np.ndarray, areas: np.ndarray) -> float | None:
+def _find_lowest_surface(heights: np.ndarray, areas: np.ndarray) -> float | None:
     """Mean height of the lowest bin with enough area of level faces."""
     bins = np.floor(heights / HEIGHT_BIN).astype(np.int64)
     for k in np.unique(bins):
@@ -230,7 +230,7 @@ def _lowest_surface(heights: np.ndarray, areas: np.ndarray) -> float | None:
 # ---- fixture -------------------------------------------------------------------------------------
 
 
-def _collision_solid(mesh: Mesh, height: float) -> Solid | None:
+def _build_solid(mesh: Mesh, height: float) -> Solid | None:
     """The faces that reach higher than `height`, or None if there are none."""
     faces = mesh.faces[(mesh.vertices[mesh.faces, 2] > height).any(1)]
     if not len(faces):
@@ -238,8 +238,8 @@ def _collision_solid(mesh: Mesh, height: float) -> Solid | None:
     return Solid("mesh", vertices=mesh.vertices, faces=np.ascontiguousarray(faces))
 
 
-def _parts(mesh: Mesh, colours: np.ndarray | None) -> list[Part]:
-    """Split the mesh into parts of similar colour; `colours` is float64 (m, 3) in [0, 1]."""
+def _split_by_colour(mesh: Mesh, colours: np.ndarray | None) -> list[Part]:
+    """Split a mesh into parts of similar colour; `colours` is float64 (m, 3) in [0, 1]."""
     if colours is None:
         return [Part(mesh, GREY, "plaster")]
     levels = np.minimum((colours * COLOUR_LEVELS).astype(np.int64), COLOUR_LEVELS - 1)

@@ -40,7 +40,7 @@ def load_scene(file: str | Path) -> Scene:
     )
 
 
-def scene_files(file: str | Path) -> list[Path]:
+def list_scene_files(file: str | Path) -> list[Path]:
     """Return all files that a valid scene is built from: its YAML file and its mesh, if any."""
     path = Path(file)
     mesh = read_yaml(path, SceneError, _EXPECTED).get("mesh")

@@ -56,7 +56,7 @@ def ensure_cached(kind: str, content: hashlib._Hash, build: Callable[[Path], Non
     return folder
 
 
-def hull_points(points: np.ndarray, max_points: int = MAX_HULL_POINTS) -> np.ndarray:
+def compute_hull_points(points: np.ndarray, max_points: int = MAX_HULL_POINTS) -> np.ndarray:
     """Return at most `max_points` vertices of a convex hull.
 
     A larger hull is reduced to its extreme vertices in evenly spread directions. Flat points give
@@ -116,7 +116,7 @@ def write_shape(vertices: np.ndarray, faces: np.ndarray | None = None) -> Path:
 
     def build(folder: Path) -> None:
         if faces is None:
-            write_hull_obj(folder / "shape.obj", hull_points(vertices))
+            write_hull_obj(folder / "shape.obj", compute_hull_points(vertices))
         else:
             write_triangles_obj(folder / "shape.obj", vertices, faces)
 
