@@ -221,9 +221,10 @@ def downstream(config: Config, names: set[str]) -> set[str]:
 
 
 def sources(label: str, config: Config) -> Iterator[str]:
-    """Names of the inputs of all jobs of a product."""
-    for job in jobs(PRODUCTS[label], config):
-        for specification in PRODUCTS[label].input_names(config, job.run if job else None):
+    """Names of the inputs of all runs of a product."""
+    product = PRODUCTS[label]
+    for run in product.shards.runs(config) if product.shards else [None]:
+        for specification in product.input_names(config, run):
             yield find_input(specification)[0].name
 
 

@@ -1,4 +1,4 @@
-"""What the tests of the workflow share: two whole runs of it, and a Slurm."""
+"""Fixtures of the workflow's tests: finished runs, and a Slurm."""
 
 from __future__ import annotations
 
@@ -9,53 +9,59 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from sensory_commutativity.running import (
+
+from .running import (
     ENVIRONMENT,
-    begin,
     command,
     copy_workflow,
     snakemake,
     snakemake_on,
+    start,
     wait_until,
 )
-from sensory_commutativity.slurm import Slurm, SlurmError, why_not
+from .slurm import Slurm, SlurmError, find_obstacle
+
+TABLES = Path("results", "test", "tables")
+COMPARED = [
+    TABLES / f"{name}.parquet"
+    for name in ("flatland_alternatives", "flatland_commutation", "apartment_order", "mask_curves",
+                 "navigation_scores")
+]  # fmt: skip
+"""Tables that are also computed without a kill, on Slurm if there is one: one of every kind of work
+(simulation in 2-D and 3-D, pictures, training)."""
 
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The whole workflow on the test profile: begun on one core, killed with all that it had started, and resumed on two."""
+    """The whole workflow on the test profile: started on one core, killed with all its children,
+    and resumed on two."""
     folder = copy_workflow(tmp_path_factory.mktemp("finished"))
     data = folder / "results" / "test" / "data"
 
-    def done() -> dict[Path, int]:
-        """Tables below ``data``, and when they were written; not the hidden ones, batches of a job under way."""
-        found = (
-            p
-            for p in data.rglob("*.parquet")
-            if not any(part.startswith(".") for part in p.relative_to(data).parts)
-        )
-        return {p: p.stat().st_mtime_ns for p in found}
+    def finished_shards() -> dict[Path, int]:
+        """Shards and when they were written; hidden folders, which come and go, are not entered."""
+        return {path: path.stat().st_mtime_ns for path in data.glob("[!.]*/[!.]*.parquet")}
 
-    process = begin(command("--cores", "1"), folder, ENVIRONMENT)
-    wait_until(lambda: len(done()) >= 8, process, "half of the work")
+    process = start(command("--cores", "1"), folder, ENVIRONMENT)
+    wait_until(lambda: len(finished_shards()) >= 8, process, "part of the work")
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-    kept = done()
-    assert kept and not (folder / "results" / "test" / "tables").exists()
+    kept = finished_shards()
+    assert kept and not (folder / TABLES).exists()
     assert snakemake(folder, "--unlock").returncode == 0
     run = snakemake(folder, "--cores", "2", "--rerun-incomplete")
     assert run.returncode == 0, run.stderr
-    again = [p for p, when in kept.items() if p.stat().st_mtime_ns != when]
+    again = [path for path, when in kept.items() if path.stat().st_mtime_ns != when]
     assert len(again) <= 1, f"finished work was done again: {again}"
     return folder
 
 
 @pytest.fixture(scope="session")
-def slurm_or_why_not(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Slurm | str]:
-    """A Slurm that runs, or why there is none."""
-    lacking = why_not()
-    if lacking:
-        yield lacking
+def slurm_or_obstacle(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Slurm | str]:
+    """A running Slurm, or the reason why there is none."""
+    obstacle = find_obstacle()
+    if obstacle:
+        yield obstacle
         return
     slurm = Slurm(tmp_path_factory.mktemp("slurm"))
     try:
@@ -68,15 +74,15 @@ def slurm_or_why_not(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Slurm
 
 
 @pytest.fixture(scope="session")
-def slurm(slurm_or_why_not: Slurm | str) -> Slurm:
-    """A Slurm that runs; whoever asks for it is skipped where there is none."""
-    if isinstance(slurm_or_why_not, str):
-        pytest.skip(f"no Slurm on this machine: {slurm_or_why_not}")
-    return slurm_or_why_not
+def slurm(slurm_or_obstacle: Slurm | str) -> Slurm:
+    """A running Slurm; tests that need it are skipped without one."""
+    if isinstance(slurm_or_obstacle, str):
+        pytest.skip(f"no Slurm on this machine: {slurm_or_obstacle}")
+    return slurm_or_obstacle
 
 
 class Undisturbed(NamedTuple):
-    """A whole run from beginning to end: its folder, and the nodes on which its jobs ran, none where it was a local run."""
+    """A run of COMPARED without a kill: its folder, and the nodes that ran its jobs, if any."""
 
     folder: Path
     nodes: set[str]
@@ -84,17 +90,16 @@ class Undisturbed(NamedTuple):
 
 @pytest.fixture(scope="session")
 def undisturbed(
-    slurm_or_why_not: Slurm | str, tmp_path_factory: pytest.TempPathFactory
+    slurm_or_obstacle: Slurm | str, tmp_path_factory: pytest.TempPathFactory
 ) -> Undisturbed:
-    """The whole workflow on the test profile, on Slurm where there is one."""
+    """COMPARED, computed from beginning to end, on Slurm if there is one."""
     folder = copy_workflow(tmp_path_factory.mktemp("undisturbed"))
-    if isinstance(slurm_or_why_not, str):
-        run = snakemake(folder, "--cores", "2")
+    if isinstance(slurm_or_obstacle, str):
+        run = snakemake(folder, "--cores", "2", *COMPARED)
         assert run.returncode == 0, run.stderr
         return Undisturbed(folder, set())
-    before = {job for job, *_ in slurm_or_why_not.jobs("COMPLETED")}
-    run = snakemake_on(slurm_or_why_not, folder)
+    before = {job for job, *_ in slurm_or_obstacle.jobs("COMPLETED")}
+    run = snakemake_on(slurm_or_obstacle, folder, targets=COMPARED)
     assert run.returncode == 0, run.stderr
-    return Undisturbed(
-        folder, {node for job, node, _ in slurm_or_why_not.jobs("COMPLETED") if job not in before}
-    )
+    completed = slurm_or_obstacle.jobs("COMPLETED")
+    return Undisturbed(folder, {node for job, node, _ in completed if job not in before})

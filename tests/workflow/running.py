@@ -11,17 +11,18 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from sensory_commutativity.slurm import Slurm
+from .slurm import Slurm
 
 ROOT = Path(__file__).resolve().parents[2]
-ENVIRONMENT = {
-    **os.environ,
-    "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
-}
+BIN = Path(sys.executable).parent
+ENVIRONMENT = {**os.environ, "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"}
+HANGS = 3600
+"""Seconds after which a program is taken to hang: many times what any takes on a slow machine that
+other work shares."""
 
 
 def copy_workflow(folder: Path) -> Path:
-    """A copy of what the workflow needs, without results."""
+    """Copy what the workflow needs, without results."""
     folder.mkdir(parents=True, exist_ok=True)
     shutil.copy(ROOT / "Snakefile", folder)
     for name in ("workflow", "config"):
@@ -29,67 +30,69 @@ def copy_workflow(folder: Path) -> Path:
     return folder
 
 
-def command(*arguments: str, profile: str = "config/test.yaml") -> list[str]:
-    """Snakemake on a profile."""
-    return [
-        str(Path(sys.executable).parent / "snakemake"),
-        "--configfile",
-        profile,
-        "--quiet",
-        "all",
-        *arguments,
-    ]
+def run(
+    arguments: Iterable[str | Path], folder: Path, environment: dict[str, str] = ENVIRONMENT
+) -> subprocess.CompletedProcess[str]:
+    """Run a program to its end and capture its output."""
+    return subprocess.run(
+        [str(argument) for argument in arguments], cwd=folder, env=environment,
+        capture_output=True, text=True, timeout=HANGS,
+    )  # fmt: skip
+
+
+def command(*arguments: str | Path, layers: Iterable[str] = ()) -> list[str]:
+    """Snakemake on the test profile, with further configuration files merged over it."""
+    config = ["--configfile", "config/test.yaml", *layers]
+    return [str(BIN / "snakemake"), *config, "--quiet", "all", *map(str, arguments)]
+
+
+def snakemake(folder: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """Run the workflow on the test profile."""
+    return run(command(*arguments), folder)
+
+
+def dry_run(folder: Path, layer: str | Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Plan the workflow with a further configuration file, and print the plan."""
+    line = [BIN / "snakemake", "--configfile", "config/test.yaml", layer, "--dry-run", *arguments]
+    return run(line, folder)
 
 
 def slurm_command(*arguments: str, targets: Iterable[Path] = ()) -> list[str]:
-    """Snakemake with the profile for Slurm, told what is special here: two small nodes, no accounting, and impatience."""
+    """Snakemake with the profile for Slurm, adapted to two small nodes without accounting."""
     return [
-        command()[0], "--profile", "workflow/profiles/slurm", "--configfile", "config/test.yaml", "--local-cores", "2", "--latency-wait", "15",
-        "--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "2", "--seconds-between-status-checks", "2",
-        "--default-resources", "slurm_partition=short", "mem_mb=1500*attempt", "runtime=5*attempt", *arguments, "--", *map(str, targets),
+        str(BIN / "snakemake"), "--profile", "workflow/profiles/slurm",
+        "--configfile", "config/test.yaml", "--local-cores", "2", "--latency-wait", "15",
+        "--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "2",
+        "--seconds-between-status-checks", "2", "--default-resources", "slurm_partition=short",
+        "mem_mb=1500*attempt", "runtime=30*attempt", *arguments, "--", *map(str, targets),
     ]  # fmt: skip
 
 
 def snakemake_on(
     slurm: Slurm, folder: Path, *arguments: str, targets: Iterable[Path] = ()
 ) -> subprocess.CompletedProcess[str]:
-    arguments = slurm_command(*arguments, targets=targets)
-    return subprocess.run(
-        arguments, cwd=folder, env=slurm.environment, capture_output=True, text=True, timeout=1800
-    )
+    """Run the workflow on a Slurm."""
+    return run(slurm_command(*arguments, targets=targets), folder, slurm.environment)
 
 
-def begin(arguments: list[str], folder: Path, environment: dict[str, str]) -> subprocess.Popen:
-    """Begin a program in a session of its own; what it says goes to ``said.log``."""
-    with (folder / "said.log").open("wb") as said:
+def start(arguments: list[str], folder: Path, environment: dict[str, str]) -> subprocess.Popen:
+    """Start a program in a session of its own; its output goes to ``output.log``."""
+    with (folder / "output.log").open("wb") as log:
         return subprocess.Popen(
-            arguments, cwd=folder, env=environment, stdout=said, stderr=said, start_new_session=True
+            arguments, cwd=folder, env=environment, stdout=log, stderr=log, start_new_session=True
         )
 
 
-def wait_until(happened: Callable[[], bool], process: subprocess.Popen, what: str) -> None:
-    """Return when it has happened; fail when the program ends before, or in five minutes."""
-    end = time.monotonic() + 300
-    while not happened():
-        assert process.poll() is None and time.monotonic() < end, f"{what} did not come about"
+def wait_until(condition: Callable[[], bool], process: subprocess.Popen, what: str) -> None:
+    """Return once `condition` holds; fail if the program ends before that, or hangs."""
+    end = time.monotonic() + HANGS
+    while not condition():
+        assert process.poll() is None and time.monotonic() < end, f"{what} did not happen"
         time.sleep(0.1)
 
 
-def snakemake(
-    folder: Path, *arguments: str, profile: str = "config/test.yaml"
-) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        command(*arguments, profile=profile),
-        cwd=folder,
-        env=ENVIRONMENT,
-        capture_output=True,
-        text=True,
-        timeout=1800,
-    )
-
-
-def digests(folder: Path, files: Iterable[Path]) -> dict[Path, str | None]:
-    """SHA-256 of each of `files`, relative to `folder`; None for one that is not there."""
+def hash_files(folder: Path, files: Iterable[Path]) -> dict[Path, str | None]:
+    """SHA-256 of each of `files`, relative to `folder`; None for a missing one."""
     return {
         file: hashlib.sha256((folder / file).read_bytes()).hexdigest()
         if (folder / file).exists()
@@ -98,21 +101,18 @@ def digests(folder: Path, files: Iterable[Path]) -> dict[Path, str | None]:
     }
 
 
-def in_its_place(folder: Path, rule_file: str, command: str, script: str) -> None:
-    """Let a rule of a copy of the workflow run a script, with the command and its arguments as the script's own, in place of the command."""
-    rules = folder / "workflow" / "rules" / rule_file
-    text = rules.read_text()
-    assert f'"sensory-commutativity {command} ' in text
-    rules.write_text(
-        text.replace(
-            f'"sensory-commutativity {command} ', f'"sh faulty.sh sensory-commutativity {command} '
-        )
-    )
-    (folder / "faulty.sh").write_text(script)
-
-
-def hashes(tables: Path) -> dict[str, str]:
+def hash_tables(tables: Path) -> dict[str, str]:
+    """SHA-256 of every table in a folder."""
     return {
         path.name: hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(tables.glob("*.parquet"))
     }
+
+
+def wrap_command(folder: Path, rule_file: str, command: str, script: str) -> None:
+    """Let a rule of a copy of the workflow run a script, with its command as the arguments."""
+    rules = folder / "workflow" / "rules" / rule_file
+    text, original = rules.read_text(), f'"sensory-commutativity {command} '
+    assert original in text
+    rules.write_text(text.replace(original, f'"sh script.sh sensory-commutativity {command} '))
+    (folder / "script.sh").write_text(script)

@@ -1,9 +1,11 @@
-"""A real Slurm on this machine: one controller and two nodes, in a folder of its own, for tests and for trying the workflow's profile.
+"""A real Slurm on this machine: one controller and two nodes, for tests and for trying the profile.
 
-    python tests/workflow/slurm.py start FOLDER     installs Debian's Slurm and munge if they are absent, starts, prints what to source
+    python tests/workflow/slurm.py start FOLDER     installs Debian's Slurm and munge if they are
+                                                    missing, starts, prints what to source
     python tests/workflow/slurm.py stop FOLDER
 
-Needs root, since Slurm's daemons do. Nothing outside FOLDER is written, the packages apart: any Slurm that this machine belongs to is left alone.
+Slurm's daemons need root. Apart from the packages nothing is written outside FOLDER; a Slurm that
+this machine belongs to is not touched.
 """
 
 from __future__ import annotations
@@ -25,8 +27,8 @@ PACKAGES = ("slurmctld", "slurmd", "slurm-client", "munge")
 PROGRAMS = ("slurmctld", "slurmd", "sbatch", "squeue", "munged")
 NODES = ("n1", "n2")
 CPUS, MEMORY = 2, 6000
-"""Of each node; MB. Slurm believes what it is told: both nodes share this machine."""
-PATIENCE = 60
+"""Of each node; MB. Both nodes share this machine, and Slurm does not check."""
+PATIENCE = 300
 """Seconds until a daemon must answer."""
 
 CONFIGURATION = """\
@@ -59,13 +61,15 @@ SlurmdTimeout=10
 KillWait=2
 MinJobAge=3600
 OverTimeLimit=0
-NodeName={names} NodeHostname={host} NodeAddr=127.0.0.1 Port=[{first}-{last}] CPUs={cpus} RealMemory={memory} State=UNKNOWN
-PartitionName=short Nodes={names} Default=YES MaxTime=UNLIMITED DefaultTime=5 DefMemPerCPU=500 State=UP
+NodeName={names} NodeHostname={host} NodeAddr=127.0.0.1 Port=[{first}-{last}] CPUs={cpus} \\
+RealMemory={memory} State=UNKNOWN
+PartitionName=short Nodes={names} Default=YES MaxTime=UNLIMITED DefaultTime=5 DefMemPerCPU=500 \\
+State=UP
 """
 
 
 class SlurmError(RuntimeError):
-    """Slurm cannot be had here; says why."""
+    """Slurm cannot be started here; says why."""
 
 
 class Slurm:
@@ -74,9 +78,10 @@ class Slurm:
     Parameters
     ----------
     folder : Path
-        Where everything lies.
+        Configuration, state and logs.
     attached : bool
-        Whether all daemons die with this process, however it ends; otherwise they live until :meth:`stop`.
+        Whether all daemons die with this process, however it ends; otherwise they run until
+        :meth:`stop`.
     """
 
     def __init__(self, folder: Path, attached: bool = True):
@@ -85,7 +90,7 @@ class Slurm:
 
     @property
     def environment(self) -> dict[str, str]:
-        """Environment in which this Slurm's commands, and no other's, are found, and those of the Python that runs this."""
+        """Environment for the commands of this Slurm and of the Python that runs this."""
         path = os.pathsep.join(
             [
                 str(self.folder / "bin"),
@@ -121,7 +126,7 @@ class Slurm:
                 memory=MEMORY,
             )
         )
-        # the workflow's job step forgets SLURM_CONF before it calls srun (snakemake-executor-plugin-slurm-jobstep 0.6)
+        # snakemake-executor-plugin-slurm-jobstep 0.6 drops SLURM_CONF before it calls srun
         real = shutil.which("srun", path=f"{os.environ['PATH']}:/usr/bin")
         wrapper = self.folder / "bin" / "srun"
         wrapper.write_text(f'#!/bin/sh\nSLURM_CONF={self.conf} exec {real} "$@"\n')
@@ -129,13 +134,12 @@ class Slurm:
         key = self.folder / "munge.key"
         key.write_bytes(secrets.token_bytes(128))
         key.chmod(0o600)
-        self.folder.chmod(
-            0o755
-        )  # munged refuses to put its socket where not everybody can reach it
+        self.folder.chmod(0o755)  # munged needs a folder that everybody can enter
         f = self.folder
         self._begin(
-            "munged", "--force", f"--key-file={key}", f"--socket={f}/munge.socket", f"--pid-file={f}/munged.pid",
-            f"--log-file={f}/munged.log", f"--seed-file={f}/munge.seed", foreground="--foreground",
+            "munged", "--force", f"--key-file={key}", f"--socket={f}/munge.socket",
+            f"--pid-file={f}/munged.pid", f"--log-file={f}/munged.log",
+            f"--seed-file={f}/munge.seed", foreground="--foreground",
         )  # fmt: skip
         _wait_for(f / "munge.socket")
         self._begin("slurmctld", foreground="-D")
@@ -151,32 +155,33 @@ class Slurm:
         """Return when all `nodes` are in that state. Raises SlurmError after some time."""
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
-            said = subprocess.run(
+            output = subprocess.run(
                 ["sinfo", "-h", "-N", "-o", "%N %T"],
                 env=self.environment,
                 capture_output=True,
                 text=True,
             ).stdout
-            states = dict(line.split() for line in said.splitlines())
+            states = dict(line.split() for line in output.splitlines())
             if all(states.get(node, "").startswith(state) for node in nodes):
                 return
             time.sleep(0.5)
         raise SlurmError(
-            f"nodes are {states or 'silent'} after {PATIENCE} s, not {state}; see the logs in {self.folder}"
+            f"nodes are {states or 'silent'} after {PATIENCE} s, not {state}; see the logs in "
+            f"{self.folder}"
         )
 
     def jobs(self, states: str = "RUNNING") -> list[tuple[str, str, str]]:
         """Id, node and comment (which names the rule) of all jobs in these states."""
-        said = subprocess.run(
+        output = subprocess.run(
             ["squeue", "-h", "-t", states, "-o", "%A|%N|%k"],
             env=self.environment,
             capture_output=True,
             text=True,
         ).stdout
-        return [tuple(line.split("|", 2)) for line in said.splitlines()]
+        return [tuple(line.split("|", 2)) for line in output.splitlines()]
 
     def lose(self, node: str) -> None:
-        """Take a node's power away: its daemon, its job steps and all that they started die at once."""
+        """Simulate a power failure: a node's daemon, job steps and their children die at once."""
         pid = self.folder / f"slurmd.{node}.pid"
         doomed = _tree(int(pid.read_text()))
         pid.unlink()
@@ -212,7 +217,7 @@ class Slurm:
     def _begin(self, *command: str, foreground: str) -> None:
         """Begin a daemon; with the option `foreground` it stays a child of this process."""
         if self.attached:
-            log = (self.folder / f"{command[0]}.said").open("ab")
+            log = (self.folder / f"{command[0]}.output").open("ab")
             subprocess.Popen(
                 [*command, foreground],
                 env=self.environment,
@@ -237,7 +242,10 @@ class Slurm:
 
 
 def _die_with_parent() -> None:
-    """Asks the kernel for SIGTERM when the parent is no more (prctl, PR_SET_PDEATHSIG): a test that was killed leaves no daemons behind."""
+    """Ask the kernel for SIGTERM when the parent dies (prctl, PR_SET_PDEATHSIG).
+
+    A test that was killed then leaves no daemons behind.
+    """
     ctypes.CDLL(None).prctl(1, signal.SIGTERM)
 
 
@@ -245,12 +253,12 @@ def _wait_for(path: Path) -> None:
     end = time.monotonic() + PATIENCE
     while not path.exists():
         if time.monotonic() > end:
-            raise SlurmError(f"{path} does not come about; see the logs beside it")
+            raise SlurmError(f"{path} does not appear; see the logs beside it")
         time.sleep(0.1)
 
 
-def why_not() -> str | None:
-    """What this machine lacks to run a Slurm, or None."""
+def find_obstacle() -> str | None:
+    """Why this machine cannot run a Slurm, or None."""
     if not sys.platform.startswith("linux") or os.geteuid() != 0:
         return "Slurm's daemons need root on Linux"
     if _missing() and shutil.which("apt-get") is None:
@@ -272,7 +280,7 @@ def _install() -> None:
     environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
     install = ["apt-get", "install", "-y", "--no-install-recommends", *PACKAGES]
     run = subprocess.run(install, env=environment, capture_output=True, text=True)
-    if run.returncode:  # the lists of packages may be old
+    if run.returncode:  # the package lists may be old
         subprocess.run(["apt-get", "update"], env=environment, capture_output=True)
         run = subprocess.run(install, env=environment, capture_output=True, text=True)
     if run.returncode:
@@ -282,7 +290,7 @@ def _install() -> None:
 
 
 def _free_ports(n: int) -> int:
-    """The first of `n` ports in a row that nobody listens to."""
+    """The first of `n` consecutive free ports."""
     for first in range(21000 + os.getpid() % 8000, 32000, n):
         try:
             sockets = []
@@ -322,7 +330,7 @@ def _parent(pid: int) -> int:
 
 
 def _tree(root: int) -> set[int]:
-    """A process and all that it started."""
+    """A process and all its descendants."""
     parents = {pid: _parent(pid) for pid in _processes()}
     tree, grown = {root}, True
     while grown:
@@ -342,14 +350,14 @@ def main() -> None:
     )
     parser.add_argument("command", choices=["start", "stop"])
     parser.add_argument("folder", type=Path)
-    given = parser.parse_args()
-    slurm = Slurm(given.folder, attached=False)
-    if given.command == "stop":
+    arguments = parser.parse_args()
+    slurm = Slurm(arguments.folder, attached=False)
+    if arguments.command == "stop":
         slurm.stop()
         return
-    lacking = why_not()
-    if lacking:
-        sys.exit(lacking)
+    obstacle = find_obstacle()
+    if obstacle:
+        sys.exit(obstacle)
     try:
         slurm.start()
     except SlurmError as error:

@@ -1,4 +1,5 @@
-"""The workflow on a real Slurm of two nodes, and the faults that only a cluster has: the tables are those of the local run, byte by byte."""
+"""The workflow on a real Slurm of two nodes, and the faults that only a cluster has: the tables
+equal those of the local run, byte by byte."""
 
 from __future__ import annotations
 
@@ -9,48 +10,51 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from sensory_commutativity.conftest import Undisturbed
-from sensory_commutativity.running import (
-    begin,
+
+from .conftest import COMPARED, Undisturbed
+from .running import (
+    HANGS,
     copy_workflow,
-    digests,
-    hashes,
-    in_its_place,
+    hash_files,
     slurm_command,
     snakemake_on,
+    start,
     wait_until,
+    wrap_command,
 )
-from sensory_commutativity.slurm import Slurm
+from .slurm import Slurm
 
 RESULTS = Path("results", "test")
 TABLE = RESULTS / "tables" / "flatland_commutation.parquet"
-"""Made from four parts, each a job of its own."""
-PARTS = [
-    RESULTS / "data" / "flatland_commutation" / f"{world}.{i}-of-2.parquet"
+SHARD_COMMAND = "table flatland_commutation_experiments"
+SHARDS = [
+    RESULTS / "data" / "flatland_commutation_experiments" / f"{world}.{i}-of-2.parquet"
     for world in ("furnished", "settled")
     for i in (1, 2)
 ]
+"""The inputs of TABLE, each a job of its own."""
 OVER_LIMITS = """
-if mkdir over-memory 2> /dev/null; then python3 -c 'import time; x = b"x" * (2 << 30); time.sleep(60)'
+if mkdir over-memory 2> /dev/null; then
+    python3 -c 'import time; x = b"x" * (2 << 30); time.sleep(60)'
 elif mkdir over-time 2> /dev/null; then sleep 300
 fi
 exec "$@"
 """
-"""What one job, and another, does the first time that it is tried."""
-SLOWLY = 'touch begun.$SLURMD_NODENAME; sleep 8; exec "$@"'
+"""What one job, and then another, does at its first try."""
+SLOWLY = 'touch started.$SLURMD_NODENAME; sleep 8; exec "$@"'
 
 
-def expect_equal(finished: Path, folder: Path) -> None:
-    files = [TABLE, *PARTS]
-    assert digests(folder, files) == digests(finished, files)
+def assert_equal(finished: Path, folder: Path) -> None:
+    files = [TABLE, *SHARDS]
+    assert hash_files(folder, files) == hash_files(finished, files)
     assert not list((folder / RESULTS).rglob(".*.part*"))
 
 
-def begin_slowly(slurm: Slurm, folder: Path) -> subprocess.Popen:
-    """Begin a run whose jobs take their time; returns when one is on n1."""
-    in_its_place(folder, "flatland.smk", "flatland-commutation-part", SLOWLY)
-    process = begin(slurm_command(targets=[TABLE]), folder, slurm.environment)
-    wait_until((folder / "begun.n1").exists, process, "a job on n1")
+def start_slowly(slurm: Slurm, folder: Path) -> subprocess.Popen:
+    """Start a run whose jobs take their time; returns when one runs on n1."""
+    wrap_command(folder, "flatland.smk", SHARD_COMMAND, SLOWLY)
+    process = start(slurm_command(targets=[TABLE]), folder, slurm.environment)
+    wait_until((folder / "started.n1").exists, process, "a job on n1")
     return process
 
 
@@ -58,59 +62,60 @@ def begin_slowly(slurm: Slurm, folder: Path) -> subprocess.Popen:
 def over_limits(
     slurm: Slurm, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[tuple[Path, subprocess.Popen]]:
-    """A run whose jobs take too much at first, and its folder."""
+    """A run whose jobs first take too much memory and time, and its folder."""
     folder = copy_workflow(tmp_path_factory.mktemp("limits") / "limits")
-    in_its_place(folder, "flatland.smk", "flatland-commutation-part", OVER_LIMITS)
-    arguments = slurm_command(
-        "--set-resources", "flatland_commutation_part:runtime=1*attempt", targets=[TABLE]
-    )
-    process = begin(arguments, folder, slurm.environment)
+    wrap_command(folder, "flatland.smk", SHARD_COMMAND, OVER_LIMITS)
+    limits = "flatland_commutation_experiments_shard:runtime=1*attempt"
+    arguments = slurm_command("--set-resources", limits, targets=[TABLE])
+    process = start(arguments, folder, slurm.environment)
     yield folder, process
     process.kill()
 
 
-@pytest.mark.usefixtures("over_limits")  # which mostly waits, meanwhile
-def test_the_whole_workflow_runs_on_both_nodes(slurm: Slurm, undisturbed: Undisturbed) -> None:
+@pytest.mark.usefixtures("over_limits")  # most of its time is waiting, so it goes on meanwhile
+def test_a_run_uses_both_nodes(slurm: Slurm, undisturbed: Undisturbed) -> None:
     assert undisturbed.nodes == {"n1", "n2"}
 
 
-def test_every_table_is_that_of_the_run_that_was_killed_here_and_resumed(
+def test_tables_equal_those_of_the_run_that_was_killed_here_and_resumed(
     finished: Path, undisturbed: Undisturbed
 ) -> None:
-    expected = hashes(undisturbed.folder / RESULTS / "tables")
-    assert expected and hashes(finished / RESULTS / "tables") == expected
+    expected = hash_files(undisturbed.folder, COMPARED)
+    assert all(expected.values()) and hash_files(finished, COMPARED) == expected
 
 
-def test_jobs_over_their_memory_and_their_time_are_given_more(
+def test_jobs_over_their_memory_and_time_get_more(
     slurm: Slurm, finished: Path, over_limits: tuple[Path, subprocess.Popen]
 ) -> None:
     folder, process = over_limits
-    code, said = process.wait(timeout=900), (folder / "said.log").read_text()
-    assert code == 0, said
+    code, output = process.wait(timeout=HANGS), (folder / "output.log").read_text()
+    assert code == 0, output
     assert (folder / "over-memory").exists() and (folder / "over-time").exists()
-    assert said.count("Trying to restart job") >= 2 and slurm.jobs("TIMEOUT")
-    expect_equal(finished, folder)
+    assert output.count("Trying to restart job") >= 2 and slurm.jobs("TIMEOUT")
+    assert_equal(finished, folder)
 
 
 def test_a_lost_node(slurm: Slurm, finished: Path, tmp_path: Path) -> None:
     folder = copy_workflow(tmp_path / "node")
-    process = begin_slowly(slurm, folder)
+    process = start_slowly(slurm, folder)
     slurm.lose("n1")
-    assert process.wait(timeout=600) == 0, (folder / "said.log").read_text()
+    assert process.wait(timeout=HANGS) == 0, (folder / "output.log").read_text()
     slurm.start_node("n1")
     slurm.wait_for_nodes()
-    expect_equal(finished, folder)
+    assert_equal(finished, folder)
 
 
-def test_a_killed_controller_whose_jobs_go_on(slurm: Slurm, finished: Path, tmp_path: Path) -> None:
+def test_a_killed_controller_whose_jobs_continue(
+    slurm: Slurm, finished: Path, tmp_path: Path
+) -> None:
     folder = copy_workflow(tmp_path / "controller")
-    process = begin_slowly(slurm, folder)
+    process = start_slowly(slurm, folder)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-    assert slurm.jobs("RUNNING,PENDING"), "nothing went on"
+    assert slurm.jobs("RUNNING,PENDING"), "no job continued"
     run = snakemake_on(slurm, folder, targets=[TABLE])
     assert run.returncode != 0 and "unlock" in run.stderr
     assert snakemake_on(slurm, folder, "--unlock").returncode == 0
     run = snakemake_on(slurm, folder, targets=[TABLE])
     assert run.returncode == 0, run.stderr
-    expect_equal(finished, folder)
+    assert_equal(finished, folder)

@@ -1,7 +1,7 @@
-"""Put on PYTHONPATH by a test: kills a command in the middle of writing, once for each kind of file.
+"""Put on PYTHONPATH by a test: kills a command while it writes, once for each kind of file.
 
-Python imports a module of this name before all else. The command dies by SIGKILL, as by the kernel's hand when memory runs out, when half of the file
-is written that it is about to give its name.
+Python imports a module of this name first. The command dies by SIGKILL, as if the kernel ran out of
+memory, when half of a file is written that is about to get its final name.
 """
 
 import os
@@ -10,14 +10,14 @@ import sys
 from pathlib import Path
 
 if any(argument.endswith("/sensory-commutativity") for argument in sys.orig_argv):
-    whole = os.replace
+    replace = os.replace
 
-    def half(source, target, **how):
+    def kill_while_writing(source, target, **options):
         try:
             Path(os.environ["KILLED"], Path(target).suffix).touch(exist_ok=False)
         except FileExistsError:
-            return whole(source, target, **how)
+            return replace(source, target, **options)
         os.truncate(source, Path(source).stat().st_size // 2)
         return os.kill(os.getpid(), signal.SIGKILL)
 
-    os.replace = half
+    os.replace = kill_while_writing
