@@ -17,14 +17,14 @@ export PATH := $(CURDIR)/$(BIN):$(PATH)
 all: default
 
 default: $(READY)  ## run the default profile: figures and report in minutes
-	$(BIN)/sensory-commutativity check config/default.yaml
+	$(BIN)/sensory-commutativity config check config/default.yaml
 	@$(UNLOCK)
 	$(SNAKEMAKE)
 	$(SNAKEMAKE) --report results/default/report.html
 	@echo "figures: results/default/figures; report: results/default/report.html"
 
 paper: $(READY)  ## run the paper's sizes (committed under results/paper)
-	$(BIN)/sensory-commutativity check config/default.yaml config/paper.yaml
+	$(BIN)/sensory-commutativity config check config/default.yaml config/paper.yaml
 	@test -d results/paper/data || rm -rf results/paper  # the committed run, without its raw data, would look finished; git brings it back
 	@$(UNLOCK)
 	$(SNAKEMAKE) --configfile config/paper.yaml
@@ -56,8 +56,8 @@ format: $(READY)  ## rewrite code and workflow in that style
 	$(BIN)/ruff format src tests benchmarks
 	$(BIN)/snakefmt Snakefile workflow
 
-schema: $(READY)  ## rewrite config/schema.json after a change to src/sensory_commutativity/config
-	$(BIN)/sensory-commutativity schema --out config/schema.json
+schema: $(READY)  ## rewrite config/schema.json after a change to the models of the configuration
+	$(BIN)/sensory-commutativity config schema --out config/schema.json
 
 lock: $(READY)  ## pin the environment anew (needs uv)
 	uv pip compile -q --universal --no-header --python-version 3.11 pyproject.toml --extra workflow --extra slurm --extra test \

@@ -1,8 +1,9 @@
-"""Is a replay in the apartment exact, do results depend on what ran before, does memory grow? Run by `make replay`, which takes half an hour.
+"""Is a replay in the apartment exact, do results depend on what ran before, does memory grow?
 
-Every SC-experiment plays each of its two orders twice from the same snapshot: everything about the robot and all objects, and the pictures, must be
-equal bit for bit, and memory must not grow. Then a second world plays the experiments once more, the last start situation first, and must end
-everywhere as the first world did.
+Run by ``make replay``, which takes a quarter of an hour. Every SC-experiment plays each of its two
+orders twice from the same snapshot: the state of the robot and of all objects and the images must
+be equal bit for bit, and memory must not grow. Then a second world plays all experiments once more,
+the last start situation first, and must end every time as the first world did.
 """
 
 from __future__ import annotations
@@ -18,38 +19,50 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sensory_commutativity.scp.experiment import ending, orders_per_dof
+from sensory_commutativity.scp.experiment import orders_per_dof, play_order
+from sensory_commutativity.scp.world import Snapshot
 from sensory_commutativity.seeding import generator, seed_for
-from sensory_commutativity.studies.apartment.builders import world_of_run
+from sensory_commutativity.studies.apartment.builders import build_run_world
 from sensory_commutativity.studies.loading import load
 from sensory_commutativity.worlds.apartment.world import ApartmentWorld
 
 GROWTH = 1.05
-"""Memory at the end may be so many times that after a tenth of the experiments; chosen: what is not flat grows by more."""
+"""Memory at the end relative to that after a tenth of the experiments, at most; chosen: a leak
+grows by more."""
 
 
-def ends(
-    world: ApartmentWorld, i: int, length: int, plays: int
+def play_experiments(
+    world: ApartmentWorld, i: int, length: int, repeats: int
 ) -> Iterator[tuple[str, int, list[bytes]]]:
-    """Of start situation `i`: degree of freedom, which order, and what each play of it ended in, as hashes."""
+    """Play the experiments of start situation `i`, each order `repeats` times.
+
+    Yields
+    ------
+    dof : str
+    order : int
+        0 or 1.
+    ends : list of bytes
+        A hash of how each repeat ended.
+    """
     seed = seed_for(1, "replay", i)
     world.reset(generator(seed, "situation"))
     start = world.snapshot()
-    for dof, first, second in orders_per_dof(world, seed, length):
-        for k, order in enumerate((first, second)):
-            yield dof, k, [end_of(world, start, order) for _ in range(plays)]
+    for dof, *sequences in orders_per_dof(world, seed, length):
+        for order, sequence in enumerate(sequences):
+            yield dof, order, [hash_end(world, start, sequence) for _ in range(repeats)]
 
 
-def end_of(world: ApartmentWorld, start, order: np.ndarray) -> bytes:
-    end = ending(world, start, order)
-    content = hashlib.sha256(end.observation.tobytes())
-    for value in (*end.happened, world.simulation.poses()):
+def hash_end(world: ApartmentWorld, start: Snapshot, sequence: np.ndarray) -> bytes:
+    """A hash of everything at the end of an order: images, contacts, joints and poses."""
+    play_order(world, start, sequence)
+    content = hashlib.sha256(world.observe().tobytes())
+    for value in (*world.happened(), world.simulation.poses()):
         content.update(np.asarray(value).tobytes())
     return content.digest()
 
 
-def resident() -> float:
-    """Memory in use, megabytes."""
+def resident_memory() -> float:
+    """Resident memory of this process, MB."""
     with open("/proc/self/statm") as file:
         return int(file.read().split()[1]) * resource.getpagesize() / 1e6
 
@@ -60,7 +73,7 @@ def main() -> None:
         "--experiments",
         type=int,
         default=1_000,
-        help="at least so many, of all degrees of freedom together",
+        help="least number of experiments, of all degrees of freedom together",
     )
     parser.add_argument("--robot", default="fetch", help="a key of apartment.robots")
     arguments = parser.parse_args()
@@ -70,28 +83,31 @@ def main() -> None:
         for run in config.apartment.runs()
         if run.robot == arguments.robot and run.start == "anywhere"
     )
-    world, again = world_of_run(config, run), world_of_run(config, run)
+    world, second_world = build_run_world(config, run), build_run_world(config, run)
     starts = -(-arguments.experiments // len(world.dofs))
-    found, unequal, memory = {}, 0, []
+    ends, unequal, memory = {}, 0, []
     for i in range(starts):
-        for dof, k, (one, other) in ends(world, i, run.length, 2):
-            found[i, dof, k] = one
-            unequal += one != other
-        memory.append(resident())
+        for dof, order, (end, repeated) in play_experiments(world, i, run.length, 2):
+            ends[i, dof, order] = end
+            unequal += end != repeated
+        memory.append(resident_memory())
     print(
-        f"{run.robot} in {run.scene}: {starts * len(world.dofs)} experiments, {unequal} of {len(found)} orders ended differently when played again"
+        f"{run.robot} in {run.scene}: {starts * len(world.dofs)} experiments, "
+        f"{unequal} of {len(ends)} orders ended differently when played again"
     )
+    tenth = starts // 10
     print(
-        f"memory after {starts // 10 + 1} start situations {memory[starts // 10]:.0f} MB, at the end {memory[-1]:.0f} MB"
+        f"memory after {tenth + 1} start situations {memory[tenth]:.0f} MB, "
+        f"at the end {memory[-1]:.0f} MB"
     )
-    differs = sum(
-        found[i, dof, k] != end
+    different = sum(
+        ends[i, dof, order] != end
         for i in reversed(range(starts))
-        for dof, k, (end,) in ends(again, i, run.length, 1)
+        for dof, order, (end,) in play_experiments(second_world, i, run.length, 1)
     )
-    print(f"in another world, the other way round: {differs} ended differently")
-    grew = memory[-1] > GROWTH * memory[starts // 10]
-    raise SystemExit(bool(unequal or differs or grew))
+    print(f"in another world, in reverse order: {different} ended differently")
+    grows = memory[-1] > GROWTH * memory[tenth]
+    raise SystemExit(bool(unequal or different or grows))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,14 @@
-"""What a second core gives, and what the workflow itself costs. Run by `make scaling`, which takes a quarter of an hour; nothing else should run.
+"""The speed-up from a second core, and the overhead of the workflow.
 
-Scaling: the SC-experiments of Flatland and of the apartment, cut into equal jobs, are made by Snakemake on one core and on two, each time anew.
-Overhead: the whole workflow at the paper's sizes, with a command in place of each job's own that writes its files and does no work; so what is
-measured is Snakemake alone. It is held against what the jobs themselves took in the run of `results/paper`, where its benchmark files lie, or in the
-run named by --benchmarks.
+Run by ``make scaling``, which takes ten minutes; nothing else should run meanwhile.
+
+Scaling: Snakemake computes the SC-experiments of Flatland and of the apartment, cut into equal
+jobs, on one core and then on two.
+
+Overhead: the whole workflow at the paper's sizes, with a stand-in for the command line that writes
+the files of every job and does no work, so that Snakemake alone is measured. It is compared with
+the time that the jobs themselves took: in the run of ``results/paper``, if its benchmark files are
+there, or in the run given by ``--benchmarks``.
 """
 
 from __future__ import annotations
@@ -18,42 +23,55 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 BIN = Path(sys.executable).parent
-STAGES = {
-    "2-D": (
-        "flatland: {reference: {experiments: 8000}, experiments_per_job: 1000}",
+JOBS = 8
+"""Chosen: the jobs of a study are equally long, so two cores share them equally."""
+
+
+class Study(NamedTuple):
+    """SC-experiments that are cut into JOBS jobs: a table, its run, and settings.
+
+    `before` names files that are made once and not measured.
+    """
+
+    table: str
+    run: str
+    settings: str
+    before: tuple[str, ...] = ()
+
+
+STUDIES = {
+    "flatland": Study(
         "flatland_experiments",
-        "furnished.polyphemus.50.{}-of-8.parquet",
-        8,
+        "furnished.polyphemus.50",
+        "flatland: {reference: {experiments: 8000}, experiments_per_job: 1000}",
     ),
-    "3-D": (
-        "apartment: {reference: {experiments: 40}, experiments_per_job: 5}",
+    "apartment": Study(
         "apartment_experiments",
-        "fetch.rs-stand-in.anywhere.50.{}-of-8.parquet",
-        8,
+        "fetch.rs-stand-in.anywhere.50",
+        "apartment: {reference: {experiments: 40}, experiments_per_job: 5}",
+        ("data/apartment_ready/fetch.rs-stand-in.anywhere.json",),
     ),
 }
-"""Stage -> settings, folder of the raw data, their files, how many."""
 STAND_IN = """#!{python}
 import sys
 from pathlib import Path
-given = sys.argv[1:]
-for option in ("--out", "--predictor", "--model"):
-    for at in [i for i, argument in enumerate(given) if argument == option]:
-        path = Path(given[at + 1])
-        if option != "--out" and (not path.suffix or path.exists()):
-            continue  # the name of a model, or an input
+for option, value in zip(sys.argv, sys.argv[1:]):
+    if option in ("--out", "--curve"):
+        path = Path(value)
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(b"x")
         if path.suffix == ".png":
             path.with_suffix(".pdf").write_bytes(b"x")
 """
+"""A program in place of ``sensory-commutativity`` that only writes the files it is asked for."""
 
 
-def workflow(folder: Path) -> Path:
-    """A copy of the workflow without results."""
+def copy_workflow(folder: Path) -> Path:
+    """Copy the workflow without results."""
     shutil.copy(ROOT / "Snakefile", folder)
     for name in ("workflow", "config"):
         shutil.copytree(ROOT / name, folder / name)
@@ -61,26 +79,23 @@ def workflow(folder: Path) -> Path:
 
 
 def snakemake(folder: Path, *arguments: str, first: Path = BIN) -> float:
-    """Run it; return the seconds that it took."""
-    environment = {
-        **os.environ,
-        "PATH": f"{first}{os.pathsep}{BIN}{os.pathsep}{os.environ['PATH']}",
-    }
-    begin = time.perf_counter()
+    """Run Snakemake with the folder `first` at the front of PATH; return the seconds it took."""
+    path = os.pathsep.join([str(first), str(BIN), os.environ["PATH"]])
+    start = time.perf_counter()
     run = subprocess.run(
         [str(BIN / "snakemake"), "--quiet", "progress", "rules", *arguments],
         cwd=folder,
-        env=environment,
+        env={**os.environ, "PATH": path},
         capture_output=True,
         text=True,
     )
     if run.returncode:
         sys.exit(run.stderr[-3000:])
-    return time.perf_counter() - begin
+    return time.perf_counter() - start
 
 
-def seconds_of_jobs(benchmarks: Path) -> float:
-    """What the jobs of a run took, all together."""
+def total_job_seconds(benchmarks: Path) -> float:
+    """Sum of the run times of all jobs in a folder of benchmark files."""
     total = 0.0
     for file in benchmarks.rglob("*.tsv"):
         with file.open() as lines:
@@ -88,52 +103,54 @@ def seconds_of_jobs(benchmarks: Path) -> float:
     return total
 
 
-def scaling(stage: str) -> None:
-    settings, kind, name, n = STAGES[stage]
-    took = {}
+def measure_scaling(name: str) -> None:
+    study, seconds = STUDIES[name], {}
     for cores in (1, 2):
-        with tempfile.TemporaryDirectory() as place:
-            folder = workflow(Path(place))
-            (folder / "overlay.yaml").write_text(f"profile: scaling\n{settings}\n")
-            files = [f"results/scaling/data/{kind}/{name.format(i + 1)}" for i in range(n)]
-            given = ["--configfile", "config/default.yaml", "overlay.yaml", "--cores", str(cores)]
-            if kind == "apartment_experiments":  # what is made once is no part of the stage
-                snakemake(
-                    folder,
-                    *given,
-                    "results/scaling/data/apartment_ready/fetch.rs-stand-in.anywhere.json",
-                )
-            took[cores] = snakemake(folder, *given, *files)
-            inner = seconds_of_jobs(folder / "results" / "scaling" / "benchmarks" / f"{kind}_part")
-            print(f"{stage}: {n} jobs on {cores} core{'s' * (cores > 1)}: {took[cores]:6.1f} s; the jobs' own {inner:6.1f} s, "
-                  f"i.e. {1 - inner / cores / took[cores]:.1%} around them", flush=True)  # fmt: skip
-    print(f"{stage}: speed-up from 1 to 2 cores {took[1] / took[2]:.2f}", flush=True)
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = copy_workflow(Path(temporary))
+            (folder / "layer.yaml").write_text(f"profile: scaling\n{study.settings}\n")
+            results = Path("results/scaling")
+            shards = results / "data" / study.table
+            files = [f"{shards}/{study.run}.{i + 1}-of-{JOBS}.parquet" for i in range(JOBS)]
+            options = ["--configfile", "config/default.yaml", "layer.yaml", "--cores", str(cores)]
+            if study.before:
+                snakemake(folder, *options, *(str(results / file) for file in study.before))
+            seconds[cores] = snakemake(folder, *options, *files)
+            in_jobs = total_job_seconds(folder / results / "benchmarks" / study.table)
+        overhead = 1 - in_jobs / cores / seconds[cores]
+        print(
+            f"{name}: {JOBS} jobs on {cores} core{'s' * (cores > 1)}: {seconds[cores]:6.1f} s; "
+            f"in the jobs {in_jobs:6.1f} s, overhead {overhead:.1%}",
+            flush=True,
+        )
+    print(f"{name}: speed-up from 1 to 2 cores {seconds[1] / seconds[2]:.2f}", flush=True)
 
 
-def overhead(benchmarks: Path) -> None:
-    with tempfile.TemporaryDirectory() as place:
-        folder = workflow(Path(place))
+def measure_overhead(benchmarks: Path) -> None:
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = copy_workflow(Path(temporary))
         stand_in = folder / "bin" / "sensory-commutativity"
         stand_in.parent.mkdir()
         stand_in.write_text(STAND_IN.format(python=sys.executable))
         stand_in.chmod(stand_in.stat().st_mode | stat.S_IXUSR)
-        took = snakemake(
-            folder, "--configfile", "config/paper.yaml", "--cores", "2", first=stand_in.parent
-        )
+        options = ["--configfile", "config/paper.yaml", "--cores", "2"]
+        seconds = snakemake(folder, *options, first=stand_in.parent)
         n = sum(1 for path in (folder / "results" / "paper").rglob("*") if path.is_file())
     print(
-        f"the workflow itself, at the paper's sizes, on 2 cores: {took:.0f} s for {n:,} files",
+        f"the workflow alone, at the paper's sizes, on 2 cores: {seconds:.0f} s for {n:,} files",
         flush=True,
     )
-    own = seconds_of_jobs(benchmarks)
-    if own:
+    in_jobs = total_job_seconds(benchmarks)
+    if not in_jobs:
         print(
-            f"the jobs themselves: {own / 3600:.1f} core hours, {own / 7200:.1f} h on 2 cores; overhead {took / (took + own / 2):.1%}"
+            f"no benchmark files in {benchmarks}, so there is nothing to compare with; "
+            "run `make paper`, or give --benchmarks"
         )
-    else:
-        print(
-            f"no benchmark files in {benchmarks}, so there is nothing to hold that against; run `make paper`, or give --benchmarks"
-        )
+        return
+    print(
+        f"in the jobs: {in_jobs / 3600:.1f} core hours, {in_jobs / 7200:.1f} h on 2 cores; "
+        f"overhead {seconds / (seconds + in_jobs / 2):.1%}"
+    )
 
 
 def main() -> None:
@@ -141,7 +158,10 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "what", nargs="*", default=[*STAGES, "overhead"], help="2-D, 3-D, overhead; all by default"
+        "what",
+        nargs="*",
+        default=[*STUDIES, "overhead"],
+        help="flatland, apartment, overhead; default: all",
     )
     parser.add_argument(
         "--benchmarks",
@@ -149,12 +169,12 @@ def main() -> None:
         default=ROOT / "results" / "paper" / "benchmarks",
         help="benchmark files of a run",
     )
-    given = parser.parse_args()
-    for what in given.what:
+    arguments = parser.parse_args()
+    for what in arguments.what:
         if what == "overhead":
-            overhead(given.benchmarks)
+            measure_overhead(arguments.benchmarks)
         else:
-            scaling(what)
+            measure_scaling(what)
 
 
 if __name__ == "__main__":

@@ -122,7 +122,7 @@ def test_hostile_weights_are_not_executed(tmp_path, marker):
             file = tmp_path / name
             file.write_bytes(payload)
             message = refusal(WeightsError, lambda file=file: load_vgg16_weights(file), kind)
-            assert "apartment.weights" in message
+            assert name in message and "give the path" in message
     np.savez(tmp_path / "vgg16.npz", **{"kernels-0": np.array([Hostile(marker)], object)})
     refusal(WeightsError, lambda: load_vgg16_weights(tmp_path / "vgg16.npz"), "an object array")
 

@@ -9,7 +9,7 @@ import pytest
 
 from sensory_commutativity.scp.sequences import compose, no_op
 from sensory_commutativity.scp.world import play
-from sensory_commutativity.studies.apartment.builders import scene_of
+from sensory_commutativity.studies.apartment.builders import build_scene
 from sensory_commutativity.studies.loading import load
 from sensory_commutativity.worlds.apartment.rendering.camera import Camera
 from sensory_commutativity.worlds.apartment.robots.robot import load_robot
@@ -27,7 +27,7 @@ PAIRS = [
 def make_world(robot: str, scene: str) -> ApartmentWorld:
     description = SETTINGS.robots[robot].description
     cameras = (Camera(32, 32, 90.0, 1),)
-    return ApartmentWorld(scene_of(SETTINGS, scene), load_robot(description), cameras)
+    return ApartmentWorld(build_scene(SETTINGS, scene), load_robot(description), cameras)
 
 
 @pytest.fixture(scope="module", params=PAIRS, ids="/".join)

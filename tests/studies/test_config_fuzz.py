@@ -152,7 +152,10 @@ MALFORMED = {
         f"aliases that stand for more than {MAX_DEPTH} levels",
     ),
     "a list that contains itself": (b"seed: &a [*a]", "a value that contains itself"),
-    "a mapping that contains itself": (b"flatland: &a {agents: *a}", "a value that contains itself"),
+    "a mapping that contains itself": (
+        b"flatland: &a {agents: *a}",
+        "a value that contains itself",
+    ),
     "deep lists": (b"seed: " + b"[" * 20_000, f"more than {MAX_DEPTH} levels"),
     "deep mappings": (b"{a: " * 20_000, f"more than {MAX_DEPTH} levels"),
     "deep by indentation": (

@@ -168,7 +168,9 @@ def test_shards_are_as_large_as_allowed_and_found_by_name(default_config):
         (4, 8, [(0, 4), (4, 8)]),
         (100, 8, [(0, 8)]),
     ):
-        shards = Shards(lambda _, n=units: {"a": n, "b": 1}, lambda *_: None, lambda _, n=per_shard: n)
+        shards = Shards(
+            lambda _, n=units: {"a": n, "b": 1}, lambda *_: None, lambda _, n=per_shard: n
+        )
         found = shards.of_run(default_config, "a")
         assert [(shard.start, shard.stop) for shard in found] == bounds
         assert [shard.run for shard in shards.all(default_config)] == ["a"] * len(bounds) + ["b"]

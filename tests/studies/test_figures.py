@@ -17,7 +17,7 @@ from PIL import Image, ImageSequence
 
 from sensory_commutativity.scp.distances import mean_squared_error
 from sensory_commutativity.scp.experiment import compare_orders
-from sensory_commutativity.studies.apartment.builders import robot_of
+from sensory_commutativity.studies.apartment.builders import load_named_robot
 from sensory_commutativity.studies.flatland.figures.flatland_experiment import find_experiment
 from sensory_commutativity.studies.loading import merge
 from sensory_commutativity.studies.navigation.figures.navigation_episode import median_seed
@@ -130,7 +130,7 @@ def test_error_bars_reach_the_ends_of_the_interval_and_are_never_negative():
 
 def test_robots_have_a_colour_per_group_and_a_style_per_degree_of_freedom(default_config):
     for name in default_config.apartment.robots:
-        robot = robot_of(default_config.apartment, name)
+        robot = load_named_robot(default_config.apartment, name)
         groups, styles = group_colours(robot), dof_styles(robot)
         assert len(set(groups.values())) == len(groups), name
         assert all(GROUP_COLOURS.get(group, c) == c for group, c in groups.items()), name

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from tests.helpers import DOFS, update_flatland
 
 from sensory_commutativity.studies.flatland.config import BaselinesConfig
 from sensory_commutativity.studies.flatland.naive_change import (
@@ -14,6 +13,7 @@ from sensory_commutativity.studies.flatland.naive_change import (
 )
 from sensory_commutativity.studies.flatland.prediction import make_network, prediction_error
 from sensory_commutativity.studies.flatland.transitions import Transitions, collect_transitions
+from tests.helpers import DOFS, update_flatland
 
 LENGTH, PIXELS = 5, 4
 
@@ -211,7 +211,9 @@ def test_transitions_come_from_the_reference_world(tiny_config):
 
 def test_the_action_leads_from_one_observation_to_the_next(tiny_config):
     """The eyelid in a bare room: every pixel follows it."""
-    bare = update_flatland(tiny_config, worlds={"bare": {"objects": 0}}, reference={"world": "bare"})
+    bare = update_flatland(
+        tiny_config, worlds={"bare": {"objects": 0}}, reference={"world": "bare"}
+    )
     transitions = collect_transitions(bare, "eyelid")
     opened = 1 + 0.05 * np.cumsum(transitions.actions[:, :, 3], axis=1)  # authors: 1/20 per step
     expected = np.minimum(255, transitions.observations[:, :1] * opened[:, :, None, None])

@@ -11,12 +11,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 import yaml
-from tests.helpers import DEFAULT, DOFS, ROOT, update_flatland
 
 from sensory_commutativity import cli
 from sensory_commutativity.storage.tables import read_table
 from sensory_commutativity.studies.flatland.tables.flatland_experiments import run_experiments
 from sensory_commutativity.studies.loading import json_schema, load
+from tests.helpers import DEFAULT, DOFS, ROOT, update_flatland
 
 PROGRAM = str(Path(sys.executable).parent / "sensory-commutativity")
 PREFIX = "sensory-commutativity: error: "
@@ -356,7 +356,9 @@ def test_parts_of_the_experiments_by_hand(cli_run, tmp_path, tiny_config, tiny_c
 def test_jobs_of_another_size_give_the_same(cli_run, tmp_path, tiny_config, tiny_config_file):
     whole = tmp_path / "whole.yaml"
     whole.write_text(
-        yaml.safe_dump(update_flatland(tiny_config, experiments_per_job=1000).model_dump(mode="json"))
+        yaml.safe_dump(
+            update_flatland(tiny_config, experiments_per_job=1000).model_dump(mode="json")
+        )
     )
     parts = [
         (tiny_config_file, "1/3"),

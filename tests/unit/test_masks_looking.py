@@ -6,7 +6,6 @@ import json
 
 import numpy as np
 import pytest
-from tests.helpers import DEFAULT
 
 from sensory_commutativity.change_detection.decision import DecisionThresholds
 from sensory_commutativity.change_detection.outcome import OUTCOMES
@@ -16,6 +15,7 @@ from sensory_commutativity.storage.tables import read_table
 from sensory_commutativity.studies.loading import load, merge, validate
 from sensory_commutativity.studies.objects.builders import tuple_jobs, tuple_runs
 from sensory_commutativity.studies.objects.tables import local_scp, mask_alternatives, mask_scores
+from tests.helpers import DEFAULT
 
 IDENTICAL, DIFFERENT, MOVED = range(3)
 SIZE, PER_JOB, N = 64, 5, 9

@@ -6,20 +6,20 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
-from tests.helpers import DEFAULT
 
 from sensory_commutativity.change_detection.outcome import OUTCOMES
 from sensory_commutativity.change_detection.simulated.object_experiments import COMPARISONS
 from sensory_commutativity.storage.tables import TABLES
 from sensory_commutativity.studies.loading import load
+from sensory_commutativity.studies.objects.arrays.mask_examples import chosen_examples
 from sensory_commutativity.studies.objects.claims import mask_claims
-from sensory_commutativity.studies.objects.data.mask_examples import chosen_examples
 from sensory_commutativity.studies.objects.tables.local_scp_summary import area_under_curve
 from sensory_commutativity.studies.objects.tables.local_scp_summary import summarised as map_summary
 from sensory_commutativity.studies.objects.tables.mask_comparisons import compared
 from sensory_commutativity.studies.objects.tables.mask_discoveries import discoveries
 from sensory_commutativity.studies.objects.tables.mask_scores import first_of_each
 from sensory_commutativity.studies.objects.tables.mask_summary import ious, summarised
+from tests.helpers import DEFAULT
 
 IDENTICAL, DIFFERENT, MOVED = range(3)
 

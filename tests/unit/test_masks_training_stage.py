@@ -7,7 +7,7 @@ import pytest
 import torch
 from click.testing import CliRunner
 from PIL import Image
-from tests.helpers import DEFAULT
+from sensory_commutativity.studies.objects.data import mask_places
 
 from sensory_commutativity.change_detection.models.view_classifier import CROP_CHANNELS, CROP_SIZE
 from sensory_commutativity.change_detection.pair_files import Pairs, write_pairs
@@ -23,9 +23,9 @@ from sensory_commutativity.cli import main
 from sensory_commutativity.storage.arrays import write_arrays
 from sensory_commutativity.storage.tables import read_table
 from sensory_commutativity.studies.loading import load, validate
-from sensory_commutativity.studies.objects.data import mask_places
 from sensory_commutativity.studies.objects.models import mask_model as mask_training
 from sensory_commutativity.studies.objects.models import view_classifier as mask_judging
+from tests.helpers import DEFAULT
 
 SIZE = 128
 
@@ -105,7 +105,9 @@ def test_a_killed_training_ends_as_one_that_was_not(files, config, monkeypatch, 
 
 def some_places(n: int, seed: int = 0) -> Regions:
     return Regions(
-        np.random.default_rng(seed).uniform(size=(n, CROP_CHANNELS, CROP_SIZE, CROP_SIZE)).astype(np.float16),
+        np.random.default_rng(seed)
+        .uniform(size=(n, CROP_CHANNELS, CROP_SIZE, CROP_SIZE))
+        .astype(np.float16),
         np.eye(n, 2, dtype=bool),
     )
 
@@ -201,9 +203,9 @@ def test_a_judge_is_kept_unless_it_harms(view, kept, capsys):
     after = mask_judging.given_a_judge(predictor, SaysEmpty(view), found, pairs)
     assert (predictor.view_classifier is not None) == kept
     assert np.array_equal(after > 0.5, masks if kept else found > 0.5)
-    assert ("left out; show it more places (masks.view_classifier.samples)" in capsys.readouterr().err) == (
-        not kept
-    )
+    assert (
+        "left out; show it more places (masks.view_classifier.samples)" in capsys.readouterr().err
+    ) == (not kept)
 
 
 def test_a_model_that_finds_no_place_gets_no_judge(files, config):
@@ -211,7 +213,9 @@ def test_a_model_that_finds_no_place_gets_no_judge(files, config):
     write_arrays(
         files / "none.h5",
         "places",
-        Regions(np.zeros((0, CROP_CHANNELS, CROP_SIZE, CROP_SIZE), np.float16), np.zeros((0, 2), bool))._asdict(),
+        Regions(
+            np.zeros((0, CROP_CHANNELS, CROP_SIZE, CROP_SIZE), np.float16), np.zeros((0, 2), bool)
+        )._asdict(),
         {},
     )
     assert refine_masks(files, config, "alone", "none").view_classifier is None

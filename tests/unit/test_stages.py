@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 import pytest
-from tests.helpers import DOFS, update_flatland
 
 from sensory_commutativity.scp.distances import mean_squared_error
 from sensory_commutativity.scp.experiment import commutation_experiment, sc_experiment
@@ -53,6 +52,7 @@ from sensory_commutativity.studies.flatland.tables.flatland_trends import (
     write_trends,
 )
 from sensory_commutativity.studies.paper.tables import paper_comparison
+from tests.helpers import DOFS, update_flatland
 
 FURNISHED = Run("furnished", "polyphemus", 6, 6)
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pandas as pd
 import pytest
-from tests.helpers import DOFS
 
 from sensory_commutativity.studies.flatland.hierarchy import (
     HIERARCHY,
     LEFT_AND_RIGHT,
     find_difference,
 )
+from tests.helpers import DOFS
 
 ROWS = pd.DataFrame(
     [("head", "left-elbow", 0.3, 0.1, 0.4, 0.02, 50), ("head", "eyelid", 0.0, -0.1, 0.2, 1.0, 50)],

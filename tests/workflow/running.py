@@ -16,7 +16,7 @@ from .slurm import Slurm
 ROOT = Path(__file__).resolve().parents[2]
 BIN = Path(sys.executable).parent
 ENVIRONMENT = {**os.environ, "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"}
-HANGS = 3600
+TIMEOUT_S = 3600
 """Seconds after which a program is taken to hang: many times what any takes on a slow machine that
 other work shares."""
 
@@ -36,7 +36,7 @@ def run(
     """Run a program to its end and capture its output."""
     return subprocess.run(
         [str(argument) for argument in arguments], cwd=folder, env=environment,
-        capture_output=True, text=True, timeout=HANGS,
+        capture_output=True, text=True, timeout=TIMEOUT_S,
     )  # fmt: skip
 
 
@@ -85,7 +85,7 @@ def start(arguments: list[str], folder: Path, environment: dict[str, str]) -> su
 
 def wait_until(condition: Callable[[], bool], process: subprocess.Popen, what: str) -> None:
     """Return once `condition` holds; fail if the program ends before that, or hangs."""
-    end = time.monotonic() + HANGS
+    end = time.monotonic() + TIMEOUT_S
     while not condition():
         assert process.poll() is None and time.monotonic() < end, f"{what} did not happen"
         time.sleep(0.1)

@@ -44,7 +44,7 @@ DAMAGED = {
     RESULTS / "figures" / "flatland_world.png": "flipped",
 }
 """Finished outputs, and how they are damaged."""
-SLOWLY = 'touch started; sleep 5; exec "$@"'
+DELAYED_COMMAND = 'touch started; sleep 5; exec "$@"'
 
 
 def assert_equal(finished: Path, folder: Path, files: Iterable[Path]) -> None:
@@ -56,7 +56,7 @@ def assert_equal(finished: Path, folder: Path, files: Iterable[Path]) -> None:
 
 def start_slowly(folder: Path) -> subprocess.Popen:
     """Start a run whose job takes its time; returns when the job has started."""
-    wrap_command(folder, "flatland.smk", SHARD_COMMAND, SLOWLY)
+    wrap_command(folder, "flatland.smk", SHARD_COMMAND, DELAYED_COMMAND)
     process = start(command("--cores", "1", SHARD), folder, ENVIRONMENT)
     wait_until((folder / "started").exists, process, "a job")
     return process

@@ -13,7 +13,7 @@ import pytest
 
 from .conftest import COMPARED, Undisturbed
 from .running import (
-    HANGS,
+    TIMEOUT_S,
     copy_workflow,
     hash_files,
     slurm_command,
@@ -41,7 +41,7 @@ fi
 exec "$@"
 """
 """What one job, and then another, does at its first try."""
-SLOWLY = 'touch started.$SLURMD_NODENAME; sleep 8; exec "$@"'
+DELAYED_COMMAND = 'touch started.$SLURMD_NODENAME; sleep 8; exec "$@"'
 
 
 def assert_equal(finished: Path, folder: Path) -> None:
@@ -52,7 +52,7 @@ def assert_equal(finished: Path, folder: Path) -> None:
 
 def start_slowly(slurm: Slurm, folder: Path) -> subprocess.Popen:
     """Start a run whose jobs take their time; returns when one runs on n1."""
-    wrap_command(folder, "flatland.smk", SHARD_COMMAND, SLOWLY)
+    wrap_command(folder, "flatland.smk", SHARD_COMMAND, DELAYED_COMMAND)
     process = start(slurm_command(targets=[TABLE]), folder, slurm.environment)
     wait_until((folder / "started.n1").exists, process, "a job on n1")
     return process
@@ -88,7 +88,7 @@ def test_jobs_over_their_memory_and_time_get_more(
     slurm: Slurm, finished: Path, over_limits: tuple[Path, subprocess.Popen]
 ) -> None:
     folder, process = over_limits
-    code, output = process.wait(timeout=HANGS), (folder / "output.log").read_text()
+    code, output = process.wait(timeout=TIMEOUT_S), (folder / "output.log").read_text()
     assert code == 0, output
     assert (folder / "over-memory").exists() and (folder / "over-time").exists()
     assert output.count("Trying to restart job") >= 2 and slurm.jobs("TIMEOUT")
@@ -99,7 +99,7 @@ def test_a_lost_node(slurm: Slurm, finished: Path, tmp_path: Path) -> None:
     folder = copy_workflow(tmp_path / "node")
     process = start_slowly(slurm, folder)
     slurm.lose("n1")
-    assert process.wait(timeout=HANGS) == 0, (folder / "output.log").read_text()
+    assert process.wait(timeout=TIMEOUT_S) == 0, (folder / "output.log").read_text()
     slurm.start_node("n1")
     slurm.wait_for_nodes()
     assert_equal(finished, folder)

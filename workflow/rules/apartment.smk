@@ -1,7 +1,7 @@
 # Three dimensions: SC-experiments of robots in apartments, SCP, hierarchy, stability of the order,
 # contacts.
 from sensory_commutativity.storage.hashing import digest
-from sensory_commutativity.studies.apartment.builders import settings_of_start
+from sensory_commutativity.studies.apartment.builders import start_settings
 
 
 rule apartment_ready:
@@ -15,10 +15,10 @@ rule apartment_ready:
         start="anywhere|within-reach",
     priority: 1000  # first of all: what is missing should be reported before the long work
     resources:
-        mem_mb=growing(2500),
-        runtime=growing(10),
+        mem_mb=scale_with_attempt(2500),
+        runtime=scale_with_attempt(10),
     params:
-        settings=lambda w: digest(settings_of_start(CONFIG, w.robot, w.scene, w.start)),
+        settings=lambda w: digest(start_settings(CONFIG, w.robot, w.scene, w.start)),
     message:
         "fetching the VGG16 weights, once, and looking for start situations of {wildcards.robot} in {wildcards.scene} ({wildcards.start})"
     shell:
@@ -36,8 +36,8 @@ rule apartment_experiments_shard:
     benchmark:
         BENCHMARKS / "apartment_experiments" / "{run}.{part}.tsv"
     resources:
-        mem_mb=growing(2500),
-        runtime=growing(20),
+        mem_mb=scale_with_attempt(2500),
+        runtime=scale_with_attempt(20),
     params:
         settings=shard_settings("apartment_experiments"),
     message:

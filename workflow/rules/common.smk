@@ -18,6 +18,7 @@ from sensory_commutativity.studies.declarations import (
 from sensory_commutativity.studies.loading import validate, write_resolved
 from sensory_commutativity.studies.registry import (
     declarations,
+    find,
     find_product,
     input_shards,
     settings_digest,
@@ -38,11 +39,12 @@ RESULTS = CONFIG.folder
 DATA = RESULTS / "data"
 MODELS = RESULTS / "models"
 TABLES = RESULTS / "tables"
-DRAWN = RESULTS / "figures"
+FIGURES = RESULTS / "figures"
 LOGS = RESULTS / "logs"
 BENCHMARKS = RESULTS / "benchmarks"
 CHECKSUMS = RESULTS / MANIFEST
 RESOLVED = RESULTS / "config.yaml"  # no rule's input: rules depend on their params
+
 
 wildcard_constraints:
     run=r"[a-z0-9][a-z0-9.-]*?",
@@ -52,31 +54,31 @@ wildcard_constraints:
 def shards(name, run=None):
     """Files of all shards of a table, of arrays or of a model, or of those of one run."""
     product = find_product(name)
-    found = (
-        product.shards.of_run(CONFIG, run) if run else product.shards.all(CONFIG)
-    )
+    found = product.shards.of_run(CONFIG, run) if run else product.shards.all(CONFIG)
     return [RESULTS / product.file(shard) for shard in found]
+
+
+def shard_of(product, wildcards):
+    """The shard of a table or of arrays, or the run of a model, that a job makes."""
+    part = f".{wildcards.part}" if "part" in wildcards.keys() else ""
+    return product.shards.find(CONFIG, f"{wildcards.run}{part}")
 
 
 def inputs(name):
     """Files that a shard, or the model or animation of a run, is computed from."""
-
-    def of_job(wildcards):
-        product = find_product(name)
-        part = f".{wildcards.part}" if "part" in wildcards.keys() else ""
-        shard = product.shards.find(CONFIG, f"{wildcards.run}{part}")
-        return [
-            RESULTS / source.file(one)
-            for source, chosen in input_shards(product, CONFIG, shard)
-            for one in chosen
-        ]
-
-    return of_job
-
-
-def settings(name):
-    """Hash of the settings that a product depends on: a rule runs again if it changes."""
     product = find_product(name)
+    return lambda wildcards: [
+        RESULTS / source.file(one)
+        for source, chosen in input_shards(
+            product, CONFIG, shard_of(product, wildcards)
+        )
+        for one in chosen
+    ]
+
+
+def settings(name, kind=None):
+    """Hash of the settings that a product depends on: a rule runs again if it changes."""
+    product = find(kind, name) if kind else find_product(name)
     if product.shards is None or isinstance(product, (Table, Arrays)):
         return settings_digest(product, CONFIG)
     return lambda wildcards: settings_digest(product, CONFIG, wildcards.run)
@@ -84,18 +86,17 @@ def settings(name):
 
 def shard_settings(name):
     """The same for a shard, with the units that it holds."""
+    product = find_product(name)
 
     def of_job(wildcards):
-        product = find_product(name)
-        part = f".{wildcards.part}" if "part" in wildcards.keys() else ""
-        shard = product.shards.find(CONFIG, f"{wildcards.run}{part}")
+        shard = shard_of(product, wildcards)
         digest = settings_digest(product, CONFIG, shard.run)
         return f"{digest} {shard.start}-{shard.stop}"
 
     return of_job
 
 
-def growing(amount):
+def scale_with_attempt(amount):
     """A resource, memory in MB or run time in minutes, of which every retry gets more."""
     return lambda wildcards, attempt: amount * attempt
 

@@ -1,4 +1,4 @@
-# What people look at: figures, animations, and the paper's claims beside what was measured.
+# Figures, animations, and the paper's claims beside what was measured.
 CATEGORIES = {
     "flatland": "Flatland",
     "apartment": "Apartment",
@@ -35,18 +35,18 @@ for name, figure in declarations(Figure).items():
             ],
         output:
             png=report(
-                DRAWN / f"{name}.png",
+                FIGURES / f"{name}.png",
                 category=CATEGORIES[name.split("_")[0]],
                 caption=f"../report/{name}.rst",
                 labels={"figure": name},
             ),
-            pdf=DRAWN / f"{name}.pdf",
+            pdf=FIGURES / f"{name}.pdf",
         log:
             LOGS / "figure" / f"{name}.log",
         localrule: True
         params:
             figure=name,
-            settings=settings(name),
+            settings=settings(name, Figure),
         message:
             "drawing {params.figure}"
         shell:
@@ -56,7 +56,7 @@ for name, figure in declarations(Figure).items():
 rule flatland_experiment:
     output:
         report(
-            DRAWN / "flatland_experiment.gif",
+            FIGURES / "flatland_experiment.gif",
             category="Flatland",
             caption="../report/flatland_experiment.rst",
             labels={"figure": "flatland_experiment"},
@@ -77,7 +77,7 @@ rule navigation_episode:
         inputs("navigation_episode"),
     output:
         report(
-            DRAWN / "navigation_episode_{run}.gif",
+            FIGURES / "navigation_episode_{run}.gif",
             category="Navigation",
             caption="../report/navigation_episode.rst",
             labels={"figure": "navigation_episode", "action space": "{run}"},

@@ -9,8 +9,8 @@ rule flatland_experiments_shard:
     benchmark:
         BENCHMARKS / "flatland_experiments" / "{run}.{part}.tsv"
     resources:
-        mem_mb=growing(1000),
-        runtime=growing(20),
+        mem_mb=scale_with_attempt(1000),
+        runtime=scale_with_attempt(20),
     params:
         settings=shard_settings("flatland_experiments"),
     message:
@@ -103,8 +103,8 @@ rule flatland_commutation_experiments_shard:
     benchmark:
         BENCHMARKS / "flatland_commutation_experiments" / "{run}.{part}.tsv"
     resources:
-        mem_mb=growing(1000),
-        runtime=growing(60),
+        mem_mb=scale_with_attempt(1000),
+        runtime=scale_with_attempt(60),
     params:
         settings=shard_settings("flatland_commutation_experiments"),
     message:
@@ -137,8 +137,8 @@ rule flatland_baselines_shard:
     benchmark:
         BENCHMARKS / "flatland_baselines" / "{run}.tsv"
     resources:
-        mem_mb=growing(3000),
-        runtime=growing(30),
+        mem_mb=scale_with_attempt(3000),
+        runtime=scale_with_attempt(30),
     params:
         settings=shard_settings("flatland_baselines"),
     message:

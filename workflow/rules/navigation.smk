@@ -51,8 +51,8 @@ rule navigation_policy:
     benchmark:
         BENCHMARKS / "navigation_policy" / "{run}.tsv"
     resources:
-        mem_mb=growing(2000),
-        runtime=growing(40),
+        mem_mb=scale_with_attempt(2000),
+        runtime=scale_with_attempt(40),
     params:
         settings=settings("navigation_policy"),
     message:

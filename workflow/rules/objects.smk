@@ -32,8 +32,8 @@ rule mask_pairs_shard:
     benchmark:
         BENCHMARKS / "mask_pairs" / "{run}.{part}.tsv"
     resources:
-        mem_mb=growing(1500),
-        runtime=growing(15),
+        mem_mb=scale_with_attempt(1500),
+        runtime=scale_with_attempt(15),
     params:
         settings=shard_settings("mask_pairs"),
     message:
@@ -54,10 +54,10 @@ rule mask_training:
         BENCHMARKS / "mask_training" / "{run}.tsv"
     threads: lambda w: MASKS.model(w.run).threads
     resources:
-        mem_mb=growing(
+        mem_mb=scale_with_attempt(
             1500 + memory_of_pairs(MASKS.data.pairs + MASKS.data.validation_pairs)
         ),
-        runtime=growing(480),
+        runtime=scale_with_attempt(480),
     params:
         settings=settings("mask_training"),
     message:
@@ -93,8 +93,10 @@ rule mask_regions_shard:
     benchmark:
         BENCHMARKS / "mask_regions" / "{run}.{part}.tsv"
     resources:
-        mem_mb=growing(1500 + memory_of_pairs(2 * MASKS.data.pairs_per_scene)),
-        runtime=growing(20),
+        mem_mb=scale_with_attempt(
+            1500 + memory_of_pairs(2 * MASKS.data.pairs_per_scene)
+        ),
+        runtime=scale_with_attempt(20),
     params:
         settings=shard_settings("mask_regions"),
     message:
@@ -113,8 +115,10 @@ rule mask_predictor:
     benchmark:
         BENCHMARKS / "mask_predictor" / "{run}.tsv"
     resources:
-        mem_mb=growing(2500 + memory_of_pairs(3 * MASKS.data.validation_pairs)),
-        runtime=growing(60),
+        mem_mb=scale_with_attempt(
+            2500 + memory_of_pairs(3 * MASKS.data.validation_pairs)
+        ),
+        runtime=scale_with_attempt(60),
     params:
         settings=settings("mask_predictor"),
     message:
@@ -133,8 +137,8 @@ rule mask_tuples_shard:
     benchmark:
         BENCHMARKS / "mask_tuples" / "{run}.{part}.tsv"
     resources:
-        mem_mb=growing(1500),
-        runtime=growing(10),
+        mem_mb=scale_with_attempt(1500),
+        runtime=scale_with_attempt(10),
     params:
         settings=shard_settings("mask_tuples"),
     message:
@@ -153,8 +157,8 @@ rule mask_scores_shard:
     benchmark:
         BENCHMARKS / "mask_scores" / "{run}.tsv"
     resources:
-        mem_mb=growing(2500),
-        runtime=growing(60),
+        mem_mb=scale_with_attempt(2500),
+        runtime=scale_with_attempt(60),
     params:
         settings=shard_settings("mask_scores"),
     message:
@@ -220,8 +224,8 @@ rule mask_alternatives:
     benchmark:
         BENCHMARKS / "mask_alternatives.tsv"
     resources:
-        mem_mb=growing(2500),
-        runtime=growing(60),
+        mem_mb=scale_with_attempt(2500),
+        runtime=scale_with_attempt(60),
     params:
         settings=settings("mask_alternatives"),
     message:
@@ -256,8 +260,8 @@ rule mask_examples:
     log:
         LOGS / "mask_examples.log",
     resources:
-        mem_mb=growing(2500),
-        runtime=growing(30),
+        mem_mb=scale_with_attempt(2500),
+        runtime=scale_with_attempt(30),
     params:
         settings=settings("mask_examples"),
     message:
@@ -274,8 +278,8 @@ rule local_scp_experiments_shard:
     benchmark:
         BENCHMARKS / "local_scp_experiments" / "{run}.{part}.tsv"
     resources:
-        mem_mb=growing(1500),
-        runtime=growing(20),
+        mem_mb=scale_with_attempt(1500),
+        runtime=scale_with_attempt(20),
     params:
         settings=shard_settings("local_scp_experiments"),
     message:
@@ -295,8 +299,8 @@ rule local_scp:
     benchmark:
         BENCHMARKS / "local_scp.tsv"
     resources:
-        mem_mb=growing(2500),
-        runtime=growing(30),
+        mem_mb=scale_with_attempt(2500),
+        runtime=scale_with_attempt(30),
     params:
         settings=settings("local_scp"),
     message:

@@ -1,5 +1,5 @@
 # The finished run: checksums of everything that it produced.
-def everything():
+def all_outputs():
     """All shards, models, tables and arrays, so that a missing one is made again before it gets a
     checksum."""
     starts = {(run.robot, run.scene, run.start) for run in CONFIG.apartment.runs()}
@@ -16,7 +16,7 @@ def everything():
 
 rule checksums:
     input:
-        sorted(map(str, [*everything(), *figures()])),
+        sorted(map(str, [*all_outputs(), *figures()])),
     output:
         # kept while the rule runs: a file that was not written since keeps its checksum
         update(CHECKSUMS),

@@ -45,9 +45,10 @@ def entry_point() -> None:
                    err=True)  # fmt: skip
         sys.exit(2)
     except click.ClickException as error:
-        context = getattr(error, "ctx", None)
-        usage = isinstance(error, click.UsageError) and context is not None
-        _fail(error.format_message() + (f" (see {context.command_path} --help)" if usage else ""))
+        hint = ""
+        if isinstance(error, click.UsageError) and error.ctx is not None:
+            hint = f" (see {error.ctx.command_path} --help)"
+        _fail(error.format_message() + hint)
     except click.Abort:
         sys.exit(130)
     except UserError as error:

@@ -69,7 +69,7 @@ def _find_shard(product: Product, config: Config, name: str | None, option: str)
             raise click.UsageError(f"{product.name} is computed per {option}; give --{option}")
         return None
     if product.shards is None:
-        raise click.UsageError(f"{product.name} is not cut; leave out --{option}")
+        raise click.UsageError(f"{product.name} has no shards; leave out --{option}")
     return product.shards.find(config, name)
 
 
@@ -106,13 +106,9 @@ table = _command(
     "Compute the table NAME, or one shard of it.\n\n"
     f"{_INPUTS} The shards of a table are the INPUTS of the table itself.",
 )  # fmt: skip
-arrays = _command(
-    Arrays, "shard", f"Compute the arrays NAME, or one shard of them.\n\n{_INPUTS}"
-)
+arrays = _command(Arrays, "shard", f"Compute the arrays NAME, or one shard of them.\n\n{_INPUTS}")
 train = _command(
     Model, "run", f"Train the model NAME, or resume where training was killed.\n\n{_INPUTS}"
 )
-figure = _command(
-    Figure, "", f"Draw the figure NAME as PNG, and beside it as PDF.\n\n{_INPUTS}"
-)
+figure = _command(Figure, "", f"Draw the figure NAME as PNG, and beside it as PDF.\n\n{_INPUTS}")
 animation = _command(Animation, "run", f"Write the animation NAME as GIF.\n\n{_INPUTS}")

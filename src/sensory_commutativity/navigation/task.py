@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ..worlds.flatland import MAX_EPISODE_STEPS
 from ..worlds.flatland.agent import Polyphemus
-from ..worlds.flatland.environment import FlatlandEnv
+from ..worlds.flatland.environment import MAX_EPISODE_STEPS, FlatlandEnv
 from ..worlds.flatland.room import FloorZone, Room
 from ..worlds.flatland.vector import FlatlandVectorEnv
 

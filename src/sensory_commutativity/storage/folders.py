@@ -52,7 +52,7 @@ def lock_folder(folder: Path, remedy: str = "wait until it ends, or choose anoth
         If another process has locked the folder; with its name and `remedy`.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / ".held"
+    path = folder / ".lock"
     while True:
         file = path.open("a+", encoding="utf-8")  # stays open until release()
         try:

@@ -17,15 +17,8 @@ def sha256(path: Path) -> str:
 def digest(*values: Any) -> str:
     """Sixteen hexadecimal digits of the SHA-256 of JSON values.
 
-    Objects with a method ``model_dump`` (pydantic models) are hashed by their fields. Fields named
-    ``*_per_job`` are left out: they say how work is cut into jobs and change no result.
+    A :class:`~sensory_commutativity.storage.settings.Section` counts with those of its settings
+    that affect results.
     """
-    text = json.dumps(values, default=lambda model: _drop_per_job(model.model_dump(mode="json")))
+    text = json.dumps(values, default=lambda section: section.settings_that_affect_results())
     return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _drop_per_job(value: Any) -> Any:
-    if isinstance(value, dict):
-        fields = {key: v for key, v in value.items() if not key.endswith("_per_job")}
-        return {key: _drop_per_job(field) for key, field in fields.items()}
-    return [_drop_per_job(item) for item in value] if isinstance(value, list) else value

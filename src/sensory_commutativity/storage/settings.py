@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, StringConstraints
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$", max_length=40)]
 """Lower-case letters and digits, words joined by hyphens: names become parts of file names."""
 
+NO_EFFECT: dict[str, Any] = {"affects_results": False}
+"""``json_schema_extra`` of a setting that changes no result, such as how work is cut into jobs."""
+
 
 class Section(BaseModel):
     """A section of settings: immutable, without unknown keys, without conversion of types."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    def settings_that_affect_results(self) -> dict[str, Any]:
+        """The settings by name, without those that are declared with NO_EFFECT."""
+        return {
+            name: getattr(self, name)
+            for name, field in type(self).model_fields.items()
+            if field.json_schema_extra != NO_EFFECT
+        }
 
 
 def check_defined(name: str, defined: Collection[str], key: str, section: str) -> None:

@@ -26,16 +26,14 @@ class Config(Section):
         description="Folder of the results of all profiles; no braces, wildcards, ~ or .. in its "
         "name.",
     )
-    seed: int = Field(
-        ge=0, lt=2**63, description="The root seed; it determines everything random."
-    )
+    seed: int = Field(ge=0, lt=2**63, description="The root seed; it determines everything random.")
     flatland: FlatlandConfig
     apartment: ApartmentConfig
     masks: MasksConfig
     navigation: NavigationConfig
 
     @model_validator(mode="after")
-    def _navigation_is_measured(self) -> Config:
+    def _check_navigation(self) -> Config:
         flatland, navigation = self.flatland, self.navigation
         check_defined(navigation.world, flatland.worlds, "navigation.world", "flatland.worlds")
         check_defined(
@@ -61,7 +59,7 @@ class Config(Section):
         return self
 
     @model_validator(mode="after")
-    def _masks_are_of_the_apartment(self) -> Config:
+    def _check_masks(self) -> Config:
         apartment, masks = self.apartment, self.masks
         check_defined(masks.robot, apartment.robots, "masks.robot", "apartment.robots")
         for key, names in (
@@ -86,7 +84,7 @@ class Config(Section):
 
     @field_validator("results")
     @classmethod
-    def _results_are_where_it_says(cls, results: str) -> str:
+    def _check_results(cls, results: str) -> str:
         # a/../b is not b where a is a link or missing; a command would take -a as an option.
         if ".." in PurePath(results).parts or results.startswith("-"):
             raise ValueError(

@@ -1,12 +1,13 @@
 """Declarations: what a study computes, from what, and which settings it depends on.
 
 A table, a file of arrays, a model or a figure is declared once, by a decorator on the function that
-computes it. Everything else follows from the declaration: the schema, the checks when a table is
-read, the command line, the parameters of the workflow's rules and the pages of the documentation.
+computes it. From the declaration follow the schema, the checks when a table is read, the command
+line, the names of the files, and the hash of the settings on which the workflow's rules depend. The
+rules themselves are written out in ``workflow/rules/``, so that the chain can be read there.
 
 A module ``studies/STUDY/tables/NAME.py`` declares the table NAME, a module
-``studies/STUDY/figures/NAME.py`` the figure NAME, and ``studies/STUDY/data/NAME.py`` the arrays or
-models NAME.
+``studies/STUDY/figures/NAME.py`` the figure NAME; arrays are in ``studies/STUDY/arrays/``, models in
+``studies/STUDY/models/``.
 """
 
 from __future__ import annotations
@@ -88,9 +89,7 @@ class Shards:
             return [Shard(run, 0, units)]
         size = self.per_shard(config)
         count = math.ceil(units / size)
-        return [
-            Shard(run, i * size, min(units, (i + 1) * size), i, count) for i in range(count)
-        ]
+        return [Shard(run, i * size, min(units, (i + 1) * size), i, count) for i in range(count)]
 
     def all(self, config: Config) -> list[Shard]:
         """All shards of all runs, in order."""
@@ -190,7 +189,7 @@ class Product:
 
     def input_names(self, config: Config, run: str | None = None) -> tuple[str, ...]:
         """Names of the inputs, of one run if it has runs."""
-        return self.inputs(config, run) if callable(self.inputs) else tuple(self.inputs)
+        return tuple(self.inputs(config, run) if callable(self.inputs) else self.inputs)
 
     def file(self, shard: Shard | None = None) -> PurePosixPath:
         """Where it is stored, relative to the folder of the run."""

@@ -1,4 +1,4 @@
-"""All declarations, found by the names of their modules; none is registered by hand."""
+"""All declarations, found by the names of their modules in the folders of STUDIES."""
 
 from __future__ import annotations
 
@@ -39,11 +39,10 @@ def _load(folder: str, name: str) -> Product:
     return getattr(importlib.import_module(module, __package__), name)
 
 
-@cache
 def declarations(kind: type[P]) -> dict[str, P]:
     """All declarations of a kind by name: :class:`.Table`, :class:`.Arrays`, :class:`.Model`,
     :class:`.Figure` or :class:`.Animation`."""
-    folders = ("figures",) if kind in (Figure, Animation) else ("tables", "data")
+    folders = ("figures",) if kind in (Figure, Animation) else ("tables", "arrays", "models")
     found = {name: _load(folder, name) for folder in folders for name in _modules(folder)}
     return {name: product for name, product in found.items() if isinstance(product, kind)}
 
@@ -55,7 +54,7 @@ def table_names() -> tuple[str, ...]:
 
 def find(kind: type[P], name: str) -> P:
     """The declaration of this kind and name. Raises UserError with names that are close."""
-    folders = ("figures",) if kind in (Figure, Animation) else ("tables", "data")
+    folders = ("figures",) if kind in (Figure, Animation) else ("tables", "arrays", "models")
     for folder in folders:
         if name in _modules(folder):
             product = _load(folder, name)
@@ -73,8 +72,11 @@ def find_table(name: str) -> Table:
 
 
 def find_product(name: str) -> Product:
-    """The declaration of a table, arrays, model, figure or animation. Raises LookupError."""
-    for folder in ("tables", "data", "figures"):
+    """The table, arrays or model of this name, or else the animation. Raises LookupError.
+
+    A figure may have the name of the table that it shows: use :func:`find` for figures.
+    """
+    for folder in ("tables", "arrays", "models", "figures"):
         if name in _modules(folder):
             return _load(folder, name)
     raise LookupError(f"nothing of the name {name!r} is declared")
@@ -133,13 +135,14 @@ def settings_digest(product: Product, config: Config, run: str | None = None) ->
 
 
 def _settings_digest(product: Product, config: Config, run: str | None) -> str:
-    own: list[Any] = [__version__, config.seed, product.name, product.settings(config)]
+    kind = KINDS[type(product)]
+    own: list[Any] = [__version__, config.seed, kind, product.name, product.settings(config)]
     if product.shards is not None and run is None:
         runs = product.shards.runs(config)
         return digest(*own, [[r, n, settings_digest(product, config, r)] for r, n in runs.items()])
     if product.shards is not None and run is not None:
         own += [run, product.shards.settings(config, run)]
-    inputs = []
+    inputs: list[Any] = []
     for specification in product.input_names(config, run):
         source, source_run, _ = find_input(specification)
         inputs.append(settings_digest(source, config, source_run))

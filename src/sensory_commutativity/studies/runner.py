@@ -1,4 +1,4 @@
-"""Computing what is declared: the one place that reads and writes tables and arrays."""
+"""Computing what is declared: finds and checks the inputs, reads tables, and writes the results."""
 
 from __future__ import annotations
 
@@ -89,8 +89,11 @@ def _write_table(
     metadata = metadata_of(product, config, shard)
     result = product.compute(*values, config, *([shard.run] if shard else []))
     if isinstance(result, Batched):
-        assert shard is not None or result.units is not None
-        units = (0, result.units) if result.units is not None else (shard.start, shard.stop)
+        if result.units is not None:
+            units = (0, result.units)
+        else:
+            assert shard is not None
+            units = (shard.start, shard.stop)
         metadata |= result.metadata
         frame = compute_in_batches(
             out, product.name, product.columns, result.compute, units,
@@ -102,15 +105,11 @@ def _write_table(
     remove_batches(out)
 
 
-def write_shard(
-    product: Table, config: Config, run: str, frame: pd.DataFrame, path: Path
-) -> None:
+def write_shard(product: Table, config: Config, run: str, frame: pd.DataFrame, path: Path) -> None:
     """Write the rows of a run that is never cut, which something else than the table computed."""
     assert product.shards is not None
     (shard,) = product.shards.of_run(config, run)
-    write_table(
-        path, product.name, product.columns, frame, metadata_of(product, config, shard)
-    )
+    write_table(path, product.name, product.columns, frame, metadata_of(product, config, shard))
 
 
 def _gather(product: Table, config: Config, paths: Sequence[Path], out: Path) -> None:

@@ -149,7 +149,7 @@ def turntable(default_config, monkeypatch):
 
     original = module.endings_per_dof
     monkeypatch.setattr(module, "endings_per_dof", endings_per_dof)
-    monkeypatch.setattr(module, "world_of_run", lambda config, run: Turntable())
+    monkeypatch.setattr(module, "build_run_world", lambda config, run: Turntable())
     monkeypatch.setattr(module, "perceptual_features", lambda config: MeanColour())
     return with_experiments(default_config, 11, experiments_per_job=6), played
 

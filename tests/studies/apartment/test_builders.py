@@ -10,10 +10,10 @@ from sensory_commutativity.errors import ConfigError, UserError
 from sensory_commutativity.perceptual.weights import Weights, WeightsError
 from sensory_commutativity.studies.apartment.builders import (
     apartment_world,
+    build_run_world,
     check_apartment,
     check_ready,
     contents,
-    world_of_run,
 )
 from sensory_commutativity.studies.apartment.tables.apartment_experiments import (
     apartment_experiments,
@@ -39,7 +39,7 @@ def overlay(config: Config, **apartment) -> Config:
 def test_experiments_do_not_depend_on_how_they_are_split(default_config):
     config = overlay(default_config, sequence_length=6)
     run, features = config.apartment.runs()[0], PixelDistance()
-    world = world_of_run(config, run)
+    world = build_run_world(config, run)
     whole = run_experiments(config, run, world, features, 0, 3)
     assert list(whole.columns) == list(apartment_experiments.column_names)
     for i in (2, 0, 1):

@@ -14,7 +14,7 @@ from sensory_commutativity.studies import runner
 from sensory_commutativity.studies.config import Config
 from sensory_commutativity.studies.loading import load, merge, validate
 from sensory_commutativity.studies.navigation.builders import scales_of_run
-from sensory_commutativity.studies.navigation.data.navigation_policy import navigation_policy
+from sensory_commutativity.studies.navigation.models.navigation_policy import navigation_policy
 from sensory_commutativity.studies.navigation.tables.navigation_action_spaces import (
     navigation_action_spaces,
 )

@@ -9,8 +9,8 @@ from sensory_commutativity.errors import UserError
 from sensory_commutativity.studies.loading import merge, validate
 from sensory_commutativity.studies.objects.builders import (
     check_masks,
-    names_of_test_sets,
-    robot_of_masks,
+    load_masks_robot,
+    test_set_names,
     tuple_runs,
 )
 from sensory_commutativity.studies.objects.tables.mask_dof import mask_dof
@@ -18,13 +18,13 @@ from sensory_commutativity.studies.objects.tables.mask_dof import mask_dof
 
 def test_every_shift_of_the_data_is_tested_alone_and_all_together(default_config):
     masks = default_config.masks
-    assert names_of_test_sets(default_config) == [
+    assert test_set_names(default_config) == [
         "as-trained", "other-view", "other-objects", "other-apartments", "all-other"
     ]  # fmt: skip
     run = tuple_runs(default_config)["all-other"]
     assert run.family == "testing" and masks.data.scene not in run.scenes
     assert run.sets == {"all-other": masks.tests.field_of_view}
-    fixed = robot_of_masks(default_config).description.fixed
+    fixed = load_masks_robot(default_config).description.fixed
     assert fixed["head_tilt_joint"] == masks.fixed["head_tilt_joint"]
 
 

@@ -50,7 +50,7 @@ def empty_floor(name: str) -> Scene:
     return Scene(name, (floor,), (), (Area("floor", extent, extent),))
 
 
-def scene_of(settings: ApartmentConfig, scene: str) -> Scene:
+def build_scene(settings: ApartmentConfig, scene: str) -> Scene:
     """The scene apartment.scenes.`scene`, an empty floor if it has no file. Raises SceneError."""
     from ...worlds.apartment.scenes.scenefile import load_scene
 
@@ -58,7 +58,7 @@ def scene_of(settings: ApartmentConfig, scene: str) -> Scene:
     return empty_floor(scene) if file is None else load_scene(file)
 
 
-def robot_of(settings: ApartmentConfig, robot: str) -> Robot:
+def load_named_robot(settings: ApartmentConfig, robot: str) -> Robot:
     """The robot apartment.robots.`robot`. Raises RobotError."""
     from ...worlds.apartment.robots.robot import load_robot
 
@@ -68,7 +68,7 @@ def robot_of(settings: ApartmentConfig, robot: str) -> Robot:
 def count_dofs(settings: ApartmentConfig) -> dict[str, int]:
     """Number of degrees of freedom of every robot that a run names."""
     robots = dict.fromkeys(run.robot for run in settings.runs())
-    return {robot: len(robot_of(settings, robot).dofs) for robot in robots}
+    return {robot: len(load_named_robot(settings, robot).dofs) for robot in robots}
 
 
 def apartment_world(
@@ -96,10 +96,12 @@ def apartment_world(
         Camera(size, size, float(view), settings.supersampling)
         for view in views or settings.fields_of_view[:1]
     ]
-    return ApartmentWorld(scene_of(settings, scene), robot_of(settings, robot), cameras, within)
+    return ApartmentWorld(
+        build_scene(settings, scene), load_named_robot(settings, robot), cameras, within
+    )
 
 
-def world_of_run(config: Config, run: ApartmentRun) -> ApartmentWorld:
+def build_run_world(config: Config, run: ApartmentRun) -> ApartmentWorld:
     """The world of a run's experiments, with a camera for each of its fields of view."""
     return apartment_world(config, run.robot, run.scene, run.start, config.apartment.views(run))
 
@@ -137,7 +139,7 @@ def contents(file: str | None, kind: Literal["robot", "scene", "weights"]) -> tu
     return tuple(sha256(path) for path in paths if path.is_file())
 
 
-def settings_of_start(config: Config, robot: str, scene: str, start: str) -> list[object]:
+def start_settings(config: Config, robot: str, scene: str, start: str) -> list[object]:
     """Everything that start situations depend on, including contents of files; JSON values."""
     settings = config.apartment
     return [
@@ -156,7 +158,7 @@ def settings_of_run(config: Config, run: ApartmentRun) -> list[object]:
     """Everything that an experiment depends on, including contents of files; JSON values."""
     settings = config.apartment
     return [
-        settings_of_start(config, run.robot, run.scene, run.start),
+        start_settings(config, run.robot, run.scene, run.start),
         run.length,
         settings.views(run),
         settings.rest_steps,
@@ -182,9 +184,9 @@ def check_apartment(config: Config) -> None:
             "give a file, or null to fetch the weights"
         )
     for robot in settings.robots:
-        robot_of(settings, robot)
+        load_named_robot(settings, robot)
     for run in settings.runs():
-        scene_of(settings, run.scene)
+        build_scene(settings, run.scene)
 
 
 def check_ready(config: Config, robot: str, scene: str, start: str) -> dict[str, str]:

@@ -73,9 +73,7 @@ def _of_robot(
 
     loaded = load_robot(config.apartment.robots[robot].description)
     groups = loaded.hierarchy
-    wheels = [
-        dof.name for dof in loaded.description.dofs if set(dof.joints) & set(loaded.wheels)
-    ]
+    wheels = [dof.name for dof in loaded.description.dofs if set(dof.joints) & set(loaded.wheels)]
     scp = _rows(tables["apartment_scp"], robot, scene, config)
     steps = _rows(tables["apartment_hierarchy"], robot, scene, config)
     if scp.empty:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
-from ...storage.settings import Name, Section, check_defined
+from ...storage.settings import NO_EFFECT, Name, Section, check_defined
 
 Start = Literal["anywhere", "within-reach"]
 Experiments = Annotated[int, Field(ge=2, le=1_000_000)]
@@ -112,11 +112,15 @@ class ApartmentConfig(Section):
     )
     sensitivity: ApartmentSensitivityConfig
     experiments_per_job: int = Field(
-        50, ge=1, le=1_000_000, description="Start situations in a job; changes no result."
+        50,
+        ge=1,
+        le=1_000_000,
+        description="Start situations in a job; changes no result.",
+        json_schema_extra=NO_EFFECT,
     )
 
     @model_validator(mode="after")
-    def _names_are_known(self) -> ApartmentConfig:
+    def _check_names(self) -> ApartmentConfig:
         check_defined(self.reference.robot, self.robots, "reference.robot", "apartment.robots")
         check_defined(self.reference.scene, self.scenes, "reference.scene", "apartment.scenes")
         for section in ("robots_compared", "scenes_compared", "within_reach", "free_space"):
@@ -134,7 +138,7 @@ class ApartmentConfig(Section):
         return self
 
     @model_validator(mode="after")
-    def _numbers_fit_together(self) -> ApartmentConfig:
+    def _check_numbers(self) -> ApartmentConfig:
         if self.reference.threshold not in self.thresholds:
             raise ValueError(
                 f"reference.threshold {self.reference.threshold:g} is not among thresholds; add it"
@@ -158,10 +162,10 @@ class ApartmentConfig(Section):
         if list(self.thresholds) != sorted(self.thresholds):
             raise ValueError(f"thresholds {self.thresholds} do not rise; write the lowest first")
         keys = [run[:4] for run in self.runs()]
-        for key in keys:
-            if keys.count(key) > 1:
+        for run in keys:
+            if keys.count(run) > 1:
                 raise ValueError(
-                    f"{key[0]!r} in {key[1]!r} is asked for by two sections; leave it out of one"
+                    f"{run[0]!r} in {run[1]!r} is asked for by two sections; leave it out of one"
                 )
         return self
 

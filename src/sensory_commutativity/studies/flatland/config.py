@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 
 from pydantic import Field, model_validator
 
-from ...storage.settings import Name, Section, check_defined
+from ...storage.settings import NO_EFFECT, Name, Section, check_defined
 
 Experiments = Annotated[int, Field(ge=2, le=1_000_000)]
 Length = Annotated[int, Field(ge=1, le=2000)]
@@ -56,7 +56,7 @@ class WorldConfig(Section):
     )
 
     @model_validator(mode="after")
-    def _start_fits(self) -> WorldConfig:
+    def _check_start(self) -> WorldConfig:
         shorter = min(self.width, self.height)
         if 2 * self.start_margin >= shorter:
             raise ValueError(
@@ -128,7 +128,7 @@ class BaselinesConfig(Section):
     learning_rate: float = Field(1e-3, gt=0, le=1, description="Of Adam (the paper is silent).")
 
     @model_validator(mode="after")
-    def _some_left_to_test(self) -> BaselinesConfig:
+    def _check_split(self) -> BaselinesConfig:
         if self.training >= self.transitions:
             raise ValueError(
                 f"training {self.training} leaves none of {self.transitions} transitions to test; "
@@ -168,11 +168,15 @@ class FlatlandConfig(Section):
     commutation: CommutationConfig
     baselines: BaselinesConfig
     experiments_per_job: int = Field(
-        2500, ge=1, le=1_000_000, description="Experiments in a job; changes no result."
+        2500,
+        ge=1,
+        le=1_000_000,
+        description="Experiments in a job; changes no result.",
+        json_schema_extra=NO_EFFECT,
     )
 
     @model_validator(mode="after")
-    def _names_are_known(self) -> FlatlandConfig:
+    def _check_names(self) -> FlatlandConfig:
         for section in ("free_space", "combinations", "variants"):
             group: GroupConfig = getattr(self, section)
             for kind, names in (("worlds", group.worlds), ("agents", group.agents)):
@@ -200,7 +204,7 @@ class FlatlandConfig(Section):
         return self
 
     @model_validator(mode="after")
-    def _numbers_fit_together(self) -> FlatlandConfig:
+    def _check_numbers(self) -> FlatlandConfig:
         lengths = self.sensitivity.lengths
         for key, values in (("thresholds", self.thresholds), ("sensitivity.lengths", lengths)):
             if len(set(values)) < len(values):

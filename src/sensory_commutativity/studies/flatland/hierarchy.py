@@ -49,4 +49,5 @@ def find_difference(comparisons: pd.DataFrame, low: str, high: str) -> Differenc
         ends = row["difference"], row["ci_low"], row["ci_high"]
     else:
         ends = -row["difference"], -row["ci_high"], -row["ci_low"]
-    return Difference(*(float(end) for end in ends), float(row["p_adjusted"]), int(row["n"]))
+    difference, low_end, high_end = (float(end) for end in ends)
+    return Difference(difference, low_end, high_end, float(row["p_adjusted"]), int(row["n"]))

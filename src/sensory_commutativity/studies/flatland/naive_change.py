@@ -16,7 +16,7 @@ def squared_change(transitions: Transitions) -> np.ndarray:
     float64 (sequences,), squared 8-bit colour
     """
     change = np.diff(transitions.observations.astype(np.float32), axis=1)
-    return np.mean(change * change, axis=(1, 2, 3), dtype=np.float64)
+    return (change * change).mean(axis=(1, 2, 3), dtype=np.float64)
 
 
 def mean_and_standard_error(per_sequence: np.ndarray) -> tuple[float, float]:

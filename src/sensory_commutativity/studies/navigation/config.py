@@ -27,7 +27,7 @@ class ZoneConfig(Section):
     )
 
     @model_validator(mode="after")
-    def _is_good_or_bad(self) -> ZoneConfig:
+    def _check_reward(self) -> ZoneConfig:
         if self.reward == 0:
             raise ValueError("a zone's reward must be above 0 (goal) or below 0 (dead zone), not 0")
         return self
@@ -83,7 +83,7 @@ class LearnerConfig(Section):
         return self.rooms * self.rollout_steps
 
     @model_validator(mode="after")
-    def _batches_are_rooms(self) -> LearnerConfig:
+    def _check_batches(self) -> LearnerConfig:
         if self.batch_size % self.rollout_steps or self.rollout % self.batch_size:
             raise ValueError(
                 f"batch_size {self.batch_size} must be rollout_steps {self.rollout_steps} times a "
@@ -160,7 +160,7 @@ class NavigationConfig(Section):
     learner: LearnerConfig = Field(default_factory=LearnerConfig)
 
     @model_validator(mode="after")
-    def _steps_fit(self) -> NavigationConfig:
+    def _check_steps(self) -> NavigationConfig:
         segment = self.checkpoints * self.learner.rollout
         if self.steps % segment:
             remedy = max(1, round(self.steps / segment)) * segment
@@ -172,8 +172,9 @@ class NavigationConfig(Section):
         return self
 
     @model_validator(mode="after")
-    def _fits_together(self) -> NavigationConfig:
-        for key, values in (("seeds", self.seeds), ("action_spaces", self.action_spaces)):
+    def _check_consistency(self) -> NavigationConfig:
+        lists: dict[str, list] = {"seeds": self.seeds, "action_spaces": self.action_spaces}
+        for key, values in lists.items():
             twice = sorted({str(value) for value in values if values.count(value) > 1})
             if twice:
                 raise ValueError(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...errors import ConfigError
 from ...seeding import generator, seed_for
-from ..apartment.builders import contents, scene_of
+from ..apartment.builders import build_scene, contents
 from ..config import Config
 from .config import LEARNED, MaskModelConfig, ViewClassifierConfig
 
@@ -70,7 +70,7 @@ def tuple_runs(config: Config) -> dict[str, TupleRun]:
     return {run.name: run for run in runs}
 
 
-def names_of_test_sets(config: Config) -> list[str]:
+def test_set_names(config: Config) -> list[str]:
     """Names of all test sets."""
     return [name for run in tuple_runs(config).values() for name in run.sets]
 
@@ -83,7 +83,7 @@ def trained_models(config: Config) -> dict[str, int]:
 # ---- cluttered scenes -------------------------------------------------------------------------
 
 
-def pair_scenes(config: Config) -> dict[str, int]:
+def count_pair_scenes(config: Config) -> dict[str, int]:
     """Split -> number of cluttered scenes in which its pairs are made."""
     data = config.masks.data
     return {
@@ -99,7 +99,7 @@ def pairs_in_scene(config: Config, split: str, scene: int) -> int:
     return min(data.pairs_per_scene, pairs - scene * data.pairs_per_scene)
 
 
-def test_scenes(config: Config) -> int:
+def count_test_scenes(config: Config) -> int:
     """Number of cluttered scenes of each test run."""
     return math.ceil(config.masks.tests.experiments / config.masks.tests.experiments_per_scene)
 
@@ -110,29 +110,29 @@ def experiments_in_scene(config: Config, scene: int) -> int:
     return min(tests.experiments_per_scene, tests.experiments - scene * tests.experiments_per_scene)
 
 
-def scene_of_pairs(config: Config, split: str, scene: int) -> SceneSampler:
+def make_pair_sampler(config: Config, split: str, scene: int) -> SceneSampler:
     """Where the pairs of a scene are made; objects and rooms in many colours and sizes."""
     from ...change_detection.simulated.scene_sampler import SceneSampler  # imports PyBullet
 
     data = config.masks.data
     return SceneSampler(
-        scene_named(config, data.scene),
-        robot_of_masks(config),
-        cameras_of_masks(config, [data.field_of_view]),
+        load_named_scene(config, data.scene),
+        load_masks_robot(config),
+        make_masks_cameras(config, [data.field_of_view]),
         "training",
         generator(config.seed, "masks", "pairs", split, scene),
         config.masks.objects,
     )
 
 
-def scene_of_tests(config: Config, run: TupleRun, scene: int) -> SceneSampler:
+def make_test_sampler(config: Config, run: TupleRun, scene: int) -> SceneSampler:
     """Where the SC-experiments of a scene are played; objects and rooms as they are."""
     from ...change_detection.simulated.scene_sampler import SceneSampler  # imports PyBullet
 
     return SceneSampler(
-        scene_named(config, run.scenes[scene % len(run.scenes)]),
-        robot_of_masks(config),
-        cameras_of_masks(config, list(run.sets.values())),
+        load_named_scene(config, run.scenes[scene % len(run.scenes)]),
+        load_masks_robot(config),
+        make_masks_cameras(config, list(run.sets.values())),
         run.family,
         generator(config.seed, "masks", TEST_STREAM, run.name, scene),
         config.masks.objects,
@@ -143,7 +143,7 @@ def scene_of_tests(config: Config, run: TupleRun, scene: int) -> SceneSampler:
 # ---- robot, cameras, map ----------------------------------------------------------------------
 
 
-def robot_of_masks(config: Config) -> Robot:
+def load_masks_robot(config: Config) -> Robot:
     """The robot, with its fixed joints at the positions of masks.fixed. Raises RobotError."""
     from ...worlds.apartment.robots.robot import load_robot, set_fixed_joints
 
@@ -152,12 +152,12 @@ def robot_of_masks(config: Config) -> Robot:
     return set_fixed_joints(robot, masks.fixed, "masks")
 
 
-def scene_named(config: Config, name: str) -> Scene:
+def load_named_scene(config: Config, name: str) -> Scene:
     """The scene that apartment.scenes.`name` describes."""
-    return scene_of(config.apartment, name)
+    return build_scene(config.apartment, name)
 
 
-def cameras_of_masks(config: Config, fields_of_view: Sequence[float]) -> list[Camera]:
+def make_masks_cameras(config: Config, fields_of_view: Sequence[float]) -> list[Camera]:
     """A camera for each vertical field of view, degrees."""
     from ...worlds.apartment.rendering.camera import Camera
 
@@ -170,10 +170,10 @@ def map_poses(config: Config) -> list[Pose]:
     from ...change_detection.simulated.poses import grid_poses
 
     settings = config.masks.map
-    return grid_poses(scene_named(config, settings.scene), settings.spacing, settings.headings)
+    return grid_poses(load_named_scene(config, settings.scene), settings.spacing, settings.headings)
 
 
-def first_of_arm(robot: Robot) -> int:
+def find_first_arm_dof(robot: Robot) -> int:
     """Index, in the action vector, of the arm joint nearest the body.
 
     Raises
@@ -231,7 +231,7 @@ def data_settings(config: Config) -> list[Any]:
             masks.data.field_of_view, masks.data.pairs_per_scene]  # fmt: skip
 
 
-def test_settings(config: Config, run: str) -> list[Any]:
+def tuple_settings(config: Config, run: str) -> list[Any]:
     """Everything that the SC-experiments of a test run depend on, apart from the degree of freedom
     and their number."""
     tests, tuple_run = config.masks.tests, tuple_runs(config)[run]
@@ -243,9 +243,9 @@ def test_settings(config: Config, run: str) -> list[Any]:
 def map_settings(config: Config) -> list[Any]:
     """Everything that the experiments of the map depend on."""
     masks, settings = config.masks, config.masks.map
-    unused = {"cramped_room", "poses_per_job"}
     return [*_simulation_settings(config, [settings.scene]),
-            settings.model_dump(mode="json", exclude=unused), masks.data.field_of_view,
+            {**settings.settings_that_affect_results(), "cramped_room": None},
+            masks.data.field_of_view,
             config.apartment.rest_steps]  # fmt: skip
 
 
@@ -261,9 +261,9 @@ def check_masks(config: Config) -> None:
     ------
     UserError
     """
-    first_of_arm(robot_of_masks(config))
+    find_first_arm_dof(load_masks_robot(config))
     settings = config.masks.map
-    scene = scene_named(config, settings.scene)
+    scene = load_named_scene(config, settings.scene)
     rooms = [area.name for area in scene.areas]
     fixtures = {fixture.name for fixture in scene.fixtures}
     if settings.cramped_room not in rooms:

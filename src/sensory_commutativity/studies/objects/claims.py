@@ -17,7 +17,7 @@ import pandas as pd
 
 from ..claims import Claim, format_p
 from ..config import Config
-from .tables.mask_comparisons import BETTER
+from .tables.mask_comparisons import REFERENCE_MODEL
 
 ALPHA = 0.01
 ACCURACY, IOU, IOU_UNSEEN = 0.82, 0.85, 0.78
@@ -30,7 +30,7 @@ for the map as a whole; the area is chosen."""
 def mask_claims(tables: dict[str, pd.DataFrame], config: Config) -> list[Claim]:
     """All claims, from mask_summary, mask_comparisons, mask_discoveries and local_scp_summary."""
     summary = tables["mask_summary"]
-    summary = summary[summary["model"] == BETTER].set_index("test_set")
+    summary = summary[summary["model"] == REFERENCE_MODEL].set_index("test_set")
     as_trained, all_other = summary.loc["as-trained"], summary.loc["all-other"]
     return [
         Claim(

@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from ...storage.settings import Name, Section
+from ...storage.settings import NO_EFFECT, Name, Section
 
 ModelName = Literal["raft", "flownet"]
 LEARNED: tuple[ModelName, ...] = ("raft", "flownet")
@@ -29,7 +29,11 @@ class MaskDataConfig(Section):
         description="Pairs of each outcome that are made in one cluttered scene.",
     )  # fmt: skip
     scenes_per_job: int = Field(
-        1, ge=1, le=100_000, description="Cluttered scenes in a job; changes no result."
+        1,
+        ge=1,
+        le=100_000,
+        description="Cluttered scenes in a job; changes no result.",
+        json_schema_extra=NO_EFFECT,
     )
 
 
@@ -60,7 +64,11 @@ class MaskTestConfig(Section):
         description="SC-experiments that are played in one cluttered scene.",
     )  # fmt: skip
     scenes_per_job: int = Field(
-        1, ge=1, le=100_000, description="Cluttered scenes in a job; changes no result."
+        1,
+        ge=1,
+        le=100_000,
+        description="Cluttered scenes in a job; changes no result.",
+        json_schema_extra=NO_EFFECT,
     )
 
 
@@ -117,7 +125,11 @@ class MapConfig(Section):
         "stay high.",
     )
     poses_per_job: int = Field(
-        40, ge=1, le=100_000, description="Poses in a job; changes no result."
+        40,
+        ge=1,
+        le=100_000,
+        description="Poses in a job; changes no result.",
+        json_schema_extra=NO_EFFECT,
     )
 
 
@@ -146,7 +158,7 @@ class MasksConfig(Section):
     map: MapConfig
 
     @model_validator(mode="after")
-    def _fits_together(self) -> MasksConfig:
+    def _check_consistency(self) -> MasksConfig:
         data, tests = self.data, self.tests
         if data.scene in tests.scenes:
             raise ValueError(

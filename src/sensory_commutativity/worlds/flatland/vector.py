@@ -11,10 +11,10 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ...compiled import njit
-from . import MAX_EPISODE_STEPS, chipmunk
+from . import chipmunk
 from .agent import Polyphemus
 from .control import CompiledState, EngineHandles, ObjectPaths, advance
-from .environment import action_space, observation_space
+from .environment import MAX_EPISODE_STEPS, action_space, observation_space
 from .eye import Scene
 from .room import Room
 from .world import FlatlandWorld

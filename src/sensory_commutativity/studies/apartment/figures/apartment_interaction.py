@@ -22,7 +22,7 @@ from ...plotting import (
     group_colours,
     slant_xticks,
 )
-from ..builders import described_files, robot_of
+from ..builders import described_files, load_named_robot
 
 if TYPE_CHECKING:
     from ....worlds.apartment.robots.robot import Robot
@@ -49,7 +49,7 @@ def apartment_interaction(tables: dict[str, pd.DataFrame], config: Config) -> Fi
     table = tables["apartment_interaction"]
     table = table[(table["length"] == settings.sequence_length)]
     table = table[(table["robot"] == reference.robot) & (table["apartment"] == reference.scene)]
-    robot = robot_of(settings, reference.robot)
+    robot = load_named_robot(settings, reference.robot)
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 4.8), width_ratios=[1, 1.2])
     _draw_points(left, table, robot)
     left.set_title(

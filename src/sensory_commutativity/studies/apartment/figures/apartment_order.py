@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from ...config import Config
 from ...declarations import figure
 from ...plotting import BLUE, GREY, dof_label, dof_styles
-from ..builders import described_files, robot_of
+from ..builders import described_files, load_named_robot
 from ..claims import THRESHOLDS
 
 
@@ -53,7 +53,7 @@ def apartment_order(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
 def _draw_thresholds(axes: Axes, table: pd.DataFrame, config: Config) -> None:
     """Draw the SCP of every degree of freedom, with its interval, against the threshold."""
     settings = config.apartment
-    robot = robot_of(settings, settings.reference.robot)
+    robot = load_named_robot(settings, settings.reference.robot)
     styles, thresholds = dof_styles(robot), settings.thresholds
     x = range(len(thresholds))
     for dof in robot.description.dofs:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from ...config import Config
 from ...declarations import figure
 from ...plotting import draw_bars, group_colours, set_probability_axis
-from ..builders import described_files, robot_of
+from ..builders import described_files, load_named_robot
 from ..config import ApartmentConfig
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def apartment_scp(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         rows = table[
             (table["robot"] == name) & (table["apartment"] == scene) & (table["start"] == start)
         ]
-        _draw_robot(axes, rows, robot_of(settings, name))
+        _draw_robot(axes, rows, load_named_robot(settings, name))
         where = "started anywhere"
         if start == "within-reach":
             where = f"started with something within {100 * settings.reach:g} cm of the arm"
@@ -65,7 +65,7 @@ def apartment_scp(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
         )
     colours: dict[str, str] = {}
     for name in settings.robots:
-        colours |= group_colours(robot_of(settings, name))
+        colours |= group_colours(load_named_robot(settings, name))
     handles = [
         plt.Rectangle((0, 0), 1, 1, color=colour, label=group) for group, colour in colours.items()
     ]

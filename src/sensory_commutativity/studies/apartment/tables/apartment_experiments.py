@@ -17,12 +17,12 @@ from ....storage.columns import FLOAT, INT, Column
 from ...config import Config
 from ...declarations import Batched, Expected, Shards, table
 from ..builders import (
+    build_run_world,
     count_dofs,
     experiment_runs,
     perceptual_features,
     settings_of_run,
     start_seed,
-    world_of_run,
 )
 from ..columns import CONDITION, DOF, VIEW
 from ..config import ApartmentRun
@@ -162,7 +162,7 @@ def apartment_experiments(config: Config, run: str) -> Batched:
 
     torch.set_num_threads(1)
     settings = experiment_runs(config)[run]
-    world, features = world_of_run(config, settings), perceptual_features(config)
+    world, features = build_run_world(config, settings), perceptual_features(config)
 
     def compute(start: int, stop: int) -> pd.DataFrame:
         return run_experiments(config, settings, world, features, start, stop)

@@ -16,7 +16,7 @@ from ....scp.estimate import commutes
 from ....storage.columns import FLOAT, INT, INTERVAL, P_VALUES, TEXT, Column
 from ...config import Config
 from ...declarations import Expected, table
-from ..builders import contents, robot_of
+from ..builders import contents, load_named_robot
 from ..columns import CONDITION, THRESHOLD, VIEW
 from .apartment_scp import KEYS
 
@@ -71,7 +71,7 @@ def _settings(config: Config) -> object:
 def _expected(config: Config) -> Expected:
     settings = config.apartment
     robots = dict.fromkeys(run.robot for run in settings.runs())
-    groups = {robot: len(robot_of(settings, robot).hierarchy) for robot in robots}
+    groups = {robot: len(load_named_robot(settings, robot).hierarchy) for robot in robots}
     counts = {
         (*run[:4], view): (groups[run.robot] - 1) * len(settings.thresholds)
         for run in settings.runs()
@@ -103,7 +103,7 @@ def _expected(config: Config) -> Expected:
 def apartment_hierarchy(experiments: pd.DataFrame, config: Config) -> pd.DataFrame:
     """All steps of all conditions, at every threshold; no rows for a robot without a hierarchy."""
     robots = experiments["robot"].unique()
-    hierarchies = {robot: robot_of(config.apartment, robot).hierarchy for robot in robots}
+    hierarchies = {robot: load_named_robot(config.apartment, robot).hierarchy for robot in robots}
     tables = [
         compare_groups(rows, hierarchies[condition[0]], threshold).assign(
             threshold=threshold, **dict(zip(KEYS, condition, strict=True))

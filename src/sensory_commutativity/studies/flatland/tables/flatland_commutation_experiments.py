@@ -71,11 +71,11 @@ def flatland_commutation_experiments(config: Config, world: str) -> Batched:
         for i in range(start, stop):
             seed = seed_for(config.seed, "commutation", world, agent, i)
             simulated.reset(generator(seed, "situation"))
-            situation = simulated.snapshot()
+            initial = simulated.snapshot()
             first = [sequence(seed, k, "first") for k in range(n)]
             for a, b in combinations_with_replacement(range(n), 2):
                 g = sequence(seed, b, "second") if a == b else first[b]
-                outcome = commutation_experiment(simulated, situation, first[a], g, rest_steps)
+                outcome = commutation_experiment(simulated, initial, first[a], g, rest_steps)
                 names = simulated.dofs[a].name, simulated.dofs[b].name
                 rows.append((world, *names, i, seed, mean_squared_error(*outcome)))
         return pd.DataFrame(rows, columns=flatland_commutation_experiments.column_names)

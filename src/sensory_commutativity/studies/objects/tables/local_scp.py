@@ -16,7 +16,7 @@ import pandas as pd
 from ....storage.columns import BOOL, FLOAT, INT, INTERVAL, TEXT, Column
 from ...config import Config
 from ...declarations import Batched, table
-from .mask_comparisons import BETTER
+from .mask_comparisons import REFERENCE_MODEL
 
 if TYPE_CHECKING:
     from ....change_detection.predictor import MaskPredictor
@@ -52,14 +52,14 @@ if TYPE_CHECKING:
             "whether the swept arm mostly passes over low furniture, and meets nothing",
         ),
     ),
-    inputs=[f"mask_predictor/{BETTER}", "local_scp_experiments"],
+    inputs=[f"mask_predictor/{REFERENCE_MODEL}", "local_scp_experiments"],
     settings=lambda config: config.masks.map.scene,
 )  # fmt: skip
 def local_scp(predictor: Path, experiments: list[Path], config: Config) -> Batched:
     """Apply a predictor to the pictures of all poses."""
     from ....change_detection.predictor import load_predictor
 
-    loaded = load_predictor(predictor, BETTER)
+    loaded = load_predictor(predictor, REFERENCE_MODEL)
 
     def compute(start: int, stop: int) -> pd.DataFrame:
         rows = [row for path in experiments[start:stop] for row in _rows(path, loaded, config)]

@@ -91,7 +91,5 @@ def _estimate(
         rows = np.concatenate([groups[i] for i in drawn])
         resampled.append(measure(scp[rows], within[rows]))
     defined = np.array(resampled)[np.isfinite(resampled)]
-    low, high = (
-        percentile_interval(defined, 0.95) if len(defined) else (float("nan"), float("nan"))
-    )
+    low, high = percentile_interval(defined, 0.95) if len(defined) else (float("nan"), float("nan"))
     return len(poses), measure(scp, within), low, high

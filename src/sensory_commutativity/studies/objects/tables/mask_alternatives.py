@@ -17,7 +17,7 @@ from ....storage.columns import BOOL, FLOAT, INT, TEXT, Column
 from ...config import Config
 from ...declarations import Batched, table
 from ..columns import COMPARISON, HOUSEHOLD, KIND, OUTCOME_TRUE
-from .mask_comparisons import BETTER
+from .mask_comparisons import REFERENCE_MODEL
 
 if TYPE_CHECKING:
     from ....change_detection.predictor import MaskPredictor
@@ -42,13 +42,13 @@ if TYPE_CHECKING:
             "whether in the first; the way back of a return does not count",
         ),
     ),
-    inputs=[f"mask_predictor/{BETTER}", "mask_tuples/as-trained"],
+    inputs=[f"mask_predictor/{REFERENCE_MODEL}", "mask_tuples/as-trained"],
 )  # fmt: skip
 def mask_alternatives(predictor: Path, tuples: list[Path], config: Config) -> Batched:
     """A row per experiment and comparison."""
     from ....change_detection.predictor import load_predictor
 
-    loaded = load_predictor(predictor, BETTER)
+    loaded = load_predictor(predictor, REFERENCE_MODEL)
 
     def compute(start: int, stop: int) -> pd.DataFrame:
         frames = [predict_comparisons(loaded, path) for path in tuples[start:stop]]

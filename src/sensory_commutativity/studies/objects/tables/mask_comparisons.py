@@ -16,12 +16,12 @@ from ...declarations import table
 from ..columns import TEST_SET
 from .mask_summary import mean_iou_per_tuple
 
-BETTER = "raft"
+REFERENCE_MODEL = "raft"
 """The model that the paper found better (section IV-A)."""
 
 
 def compare_models(scores: pd.DataFrame) -> pd.DataFrame:
-    """Compare BETTER with every other model on every test set; `scores` is a mask_scores table."""
+    """Compare REFERENCE_MODEL with every other model on every test set; `scores` is a mask_scores table."""
     from scipy import stats
 
     from ....statistics.clusters import paired_cluster_difference
@@ -33,7 +33,7 @@ def compare_models(scores: pd.DataFrame) -> pd.DataFrame:
             model: table.set_index("experiment").sort_index()
             for model, table in group.groupby("model", sort=False)
         }
-        reference = tables.pop(BETTER)
+        reference = tables.pop(REFERENCE_MODEL)
         truth = reference["outcome_true"]
         moved = (truth == "moved").to_numpy()
         # Each outcome has the same weight, as in mask_summary.
@@ -41,7 +41,7 @@ def compare_models(scores: pd.DataFrame) -> pd.DataFrame:
         for other, table_of_other in tables.items():
             if not reference.index.equals(table_of_other.index):
                 raise ValueError(
-                    f"{test_set}: {BETTER} and {other} were not scored on the same tuples"
+                    f"{test_set}: {REFERENCE_MODEL} and {other} were not scored on the same tuples"
                 )
             correct = [
                 (table["outcome_true"] == table["outcome_predicted"]).to_numpy()
@@ -49,14 +49,16 @@ def compare_models(scores: pd.DataFrame) -> pd.DataFrame:
             ]
             difference = (correct[0].astype(float) - correct[1]) * weight.to_numpy()
             clustered = paired_cluster_difference(difference, reference["household"])
-            rows.append((BETTER, other, test_set, "accuracy", *clustered, mcnemar(*correct).p))
+            rows.append(
+                (REFERENCE_MODEL, other, test_set, "accuracy", *clustered, mcnemar(*correct).p)
+            )
             difference = np.nan_to_num(mean_iou_per_tuple(reference[moved])) - np.nan_to_num(
                 mean_iou_per_tuple(table_of_other[moved])
             )
             if len(difference):
                 wilcoxon = float(stats.wilcoxon(difference).pvalue) if difference.any() else 1.0
                 clustered = paired_cluster_difference(difference, reference["household"][moved])
-                rows.append((BETTER, other, test_set, "iou", *clustered, wilcoxon))
+                rows.append((REFERENCE_MODEL, other, test_set, "iou", *clustered, wilcoxon))
     columns = ["a", "b", "test_set", "measure", "n", "difference", "ci_low", "ci_high",
                "households", "p", "p_tuples"]  # fmt: skip
     comparisons = pd.DataFrame(rows, columns=columns)

@@ -36,8 +36,6 @@ from ..columns import MODEL
     inputs=["mask_pairs/training", "mask_pairs/validation"],
     shards=Shards(runs=trained_models, settings=training_settings),
 )  # fmt: skip
-def mask_curves(
-    training: list[Path], validation: list[Path], config: Config, run: str
-) -> NoReturn:
+def mask_curves(training: list[Path], validation: list[Path], config: Config, run: str) -> NoReturn:
     """The curve of one model, which training writes. Raises UserError."""
     raise UserError(f"training writes its curve itself: train mask_training --run {run}")

@@ -8,7 +8,7 @@ import pandas as pd
 from ....storage.columns import FLOAT, TEXT, Column
 from ...config import Config
 from ...declarations import table
-from ..builders import described_robot, robot_of_masks
+from ..builders import described_robot, load_masks_robot
 
 
 @table(
@@ -38,7 +38,7 @@ def mask_dof(scp: pd.DataFrame, config: Config) -> pd.DataFrame:
         & (scp["threshold"] == reference.threshold)
         & (scp["field_of_view"] == apartment.fields_of_view[0])
     ].set_index("dof")["scp"]
-    robot = robot_of_masks(config)
+    robot = load_masks_robot(config)
     arm = [
         dof.name
         for dof in robot.description.dofs

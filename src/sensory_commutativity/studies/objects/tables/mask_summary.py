@@ -9,7 +9,7 @@ from ....seeding import generator
 from ....storage.columns import FLOAT, INT, INTERVAL, Column
 from ...config import Config
 from ...declarations import Expected, table
-from ..builders import MODELS, names_of_test_sets
+from ..builders import MODELS, test_set_names
 from ..columns import MODEL, TEST_SET
 
 RESAMPLES = 9_999
@@ -95,7 +95,7 @@ def _nullable(name: str, description: str) -> Column:
     inputs=["mask_scores"],
     expected=lambda config: Expected(
         ("model", "test_set"),
-        {(model, name): 1 for model in MODELS for name in names_of_test_sets(config)},
+        {(model, name): 1 for model in MODELS for name in test_set_names(config)},
     ),
 )
 def mask_summary(scores: pd.DataFrame, config: Config) -> pd.DataFrame:

@@ -15,12 +15,12 @@ import pandas as pd
 from ...config import Config
 from ...declarations import Shard, Shards, arrays
 from ..builders import (
+    count_test_scenes,
     experiments_in_scene,
-    robot_of_masks,
-    scene_of_tests,
-    test_scenes,
-    test_settings,
+    load_masks_robot,
+    make_test_sampler,
     tuple_runs,
+    tuple_settings,
 )
 
 
@@ -28,9 +28,9 @@ from ..builders import (
     title="SC-experiments on objects",
     inputs=["mask_dof"],
     shards=Shards(
-        runs=lambda config: dict.fromkeys(tuple_runs(config), test_scenes(config)),
+        runs=lambda config: dict.fromkeys(tuple_runs(config), count_test_scenes(config)),
         settings=lambda config, run: [
-            test_settings(config, run), experiments_in_scene(config, test_scenes(config) - 1)
+            tuple_settings(config, run), experiments_in_scene(config, count_test_scenes(config) - 1)
         ],
         per_shard=lambda config: config.masks.tests.scenes_per_job,
     ),
@@ -47,11 +47,11 @@ def mask_tuples(
     from ....progress import progress
 
     run, tests = tuple_runs(config)[shard.run], config.masks.tests
-    names = [dof.name for dof in robot_of_masks(config).dofs]
+    names = [dof.name for dof in load_masks_robot(config).dofs]
     dof = names.index(mask_dof["dof"].iloc[0])
     parts: list[dict[str, np.ndarray]] = []
     for scene in range(shard.start, shard.stop):
-        sampler = scene_of_tests(config, run, scene)
+        sampler = make_test_sampler(config, run, scene)
         experiments = ObjectExperimentRunner(
             sampler, dof, tests.sequence_length, run.alternatives, config.apartment.rest_steps
         )

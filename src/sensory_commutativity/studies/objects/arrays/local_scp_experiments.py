@@ -12,12 +12,12 @@ from ....seeding import generator
 from ...config import Config
 from ...declarations import Shard, Shards, arrays
 from ..builders import (
-    cameras_of_masks,
-    first_of_arm,
+    find_first_arm_dof,
+    load_masks_robot,
+    load_named_scene,
+    make_masks_cameras,
     map_poses,
     map_settings,
-    robot_of_masks,
-    scene_named,
 )
 
 RUN = "poses"
@@ -31,9 +31,7 @@ RUN = "poses"
         per_shard=lambda config: config.masks.map.poses_per_job,
     ),
 )
-def local_scp_experiments(
-    config: Config, shard: Shard
-) -> tuple[dict[str, Any], dict[str, str]]:
+def local_scp_experiments(config: Config, shard: Shard) -> tuple[dict[str, Any], dict[str, str]]:
     """Play the experiments at some poses; poses where the robot cannot stand are left out.
 
     Returns
@@ -49,10 +47,10 @@ def local_scp_experiments(
     from ....progress import progress
     from ....worlds.apartment.world import ApartmentWorld
 
-    settings, robot = config.masks.map, robot_of_masks(config)
-    dof = first_of_arm(robot)
-    cameras = cameras_of_masks(config, [config.masks.data.field_of_view])
-    world = ApartmentWorld(scene_named(config, settings.scene), robot, cameras)
+    settings, robot = config.masks.map, load_masks_robot(config)
+    dof = find_first_arm_dof(robot)
+    cameras = make_masks_cameras(config, [config.masks.data.field_of_view])
+    world = ApartmentWorld(load_named_scene(config, settings.scene), robot, cameras)
     joint = [j.name for j in robot.joints].index(robot.description.dofs[dof].joints[0])
     rng = generator(config.seed, "masks", "map", "excursion")
     excursion = median_excursion(settings.sequence_length, world.dofs[dof].speed, rng)

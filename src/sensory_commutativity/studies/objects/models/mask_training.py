@@ -51,9 +51,7 @@ def mask_training(
     digest = settings_digest(mask_training, config, name)
     checkpoint = Checkpoint(curve, f"{digest} {device} {json.dumps(package_versions())}")
     pairs, held_out = read_pairs(*training), read_pairs(*validation)
-    trainer = MaskTrainer(
-        name, optimizer_settings(settings), pairs, training_seed(config), device
-    )
+    trainer = MaskTrainer(name, optimizer_settings(settings), pairs, training_seed(config), device)
     steps = trainer.settings.steps
     evaluations = np.unique(np.linspace(0, steps, settings.checkpoints + 1).round().astype(int))[1:]
 

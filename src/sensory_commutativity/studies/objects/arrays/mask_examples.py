@@ -16,7 +16,7 @@ import pandas as pd
 
 from ...declarations import arrays
 from ..builders import tuple_runs
-from ..tables.mask_comparisons import BETTER
+from ..tables.mask_comparisons import REFERENCE_MODEL
 from ..tables.mask_summary import mean_iou_per_tuple
 
 PAIRS = 3
@@ -48,7 +48,7 @@ def choose_examples(scores: pd.DataFrame) -> list[tuple[int, float]]:
     inputs=lambda config, run: [
         "mask_pairs/training",
         *(f"mask_tuples/{name}" for name in tuple_runs(config)),
-        f"mask_predictor/{BETTER}",
+        f"mask_predictor/{REFERENCE_MODEL}",
         "mask_scores",
     ],
 )
@@ -64,11 +64,12 @@ def mask_examples(training: list[Path], *arguments) -> tuple[dict[str, Any], dic
     from ....storage.arrays import pack_masks, unpack_masks
 
     *tuples, predictor, scores, config = arguments
-    pairs, loaded = read_pairs(training[0]), load_predictor(predictor, BETTER)
+    loaded = load_predictor(predictor, REFERENCE_MODEL)
+    pairs = read_pairs(*training[:PAIRS])  # every file holds at least one pair of each outcome
     shown = np.concatenate(
         [np.nonzero(pairs.outcome == k)[0][:PAIRS] for k in range(len(OUTCOMES))]
     )
-    scores = scores[scores["model"] == BETTER]
+    scores = scores[scores["model"] == REFERENCE_MODEL]
     pictures, masks, truth, test_sets, overlaps, predictions = [], [], [], [], [], []
     for run, files in zip(tuple_runs(config).values(), tuples, strict=True):
         for camera, test_set in enumerate(run.sets):

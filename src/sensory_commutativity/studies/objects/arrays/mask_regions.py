@@ -10,14 +10,16 @@ import numpy as np
 
 from ...config import Config
 from ...declarations import Shard, Shards, arrays
-from ..builders import pair_scenes, trained_models
+from ..builders import count_pair_scenes, trained_models
 
 
 @arrays(
     title="Changed regions for training the view classifiers",
     inputs=lambda config, run: [f"mask_training/{run}", "mask_pairs/training:{part}"],
     shards=Shards(
-        runs=lambda config: dict.fromkeys(trained_models(config), pair_scenes(config)["training"]),
+        runs=lambda config: dict.fromkeys(
+            trained_models(config), count_pair_scenes(config)["training"]
+        ),
         settings=lambda config, run: config.masks.view_classifier.pairs,
         per_shard=lambda config: config.masks.data.scenes_per_job,
     ),

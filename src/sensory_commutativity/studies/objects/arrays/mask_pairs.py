@@ -10,15 +10,15 @@ from typing import Any
 
 from ...config import Config
 from ...declarations import Shard, Shards, arrays
-from ..builders import data_settings, pair_scenes, pairs_in_scene, scene_of_pairs
+from ..builders import count_pair_scenes, data_settings, make_pair_sampler, pairs_in_scene
 
 
 @arrays(
     title="Pairs of pictures for training and validation",
     shards=Shards(
-        runs=pair_scenes,
+        runs=count_pair_scenes,
         settings=lambda config, split: [
-            data_settings(config), pairs_in_scene(config, split, pair_scenes(config)[split] - 1)
+            data_settings(config), pairs_in_scene(config, split, count_pair_scenes(config)[split] - 1)
         ],
         per_shard=lambda config: config.masks.data.scenes_per_job,
     ),
@@ -32,7 +32,7 @@ def mask_pairs(config: Config, shard: Shard) -> tuple[dict[str, Any], dict[str, 
 
     pairs, scenes = [], []
     for scene in range(shard.start, shard.stop):
-        factory = PairFactory(scene_of_pairs(config, shard.run, scene))
+        factory = PairFactory(make_pair_sampler(config, shard.run, scene))
         n = pairs_in_scene(config, shard.run, scene)
         for _ in progress(range(n), f"{shard.name}, scene {scene}", "triple"):
             pairs += [factory.make_pair(outcome) for outcome in OUTCOMES]
