@@ -12,7 +12,7 @@ from sensory_commutativity.scp.world import play
 from sensory_commutativity.studies.apartment.builders import build_scene
 from sensory_commutativity.studies.loading import load
 from sensory_commutativity.worlds.apartment.rendering.camera import Camera
-from sensory_commutativity.worlds.apartment.robots.robot import load_robot
+from sensory_commutativity.worlds.apartment.robots.loading import load_robot
 from sensory_commutativity.worlds.apartment.world import ApartmentWorld
 from tests.helpers import DEFAULT, reset_world, sample_held_commands
 

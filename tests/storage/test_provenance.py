@@ -6,14 +6,15 @@ import hashlib
 import json
 
 import pytest
+from pydantic import Field
 
 from sensory_commutativity.storage.hashing import digest, sha256
 from sensory_commutativity.storage.provenance import environment, git_commit
-from sensory_commutativity.storage.settings import Section
+from sensory_commutativity.storage.settings import NO_EFFECT, Section
 
 
 class Inner(Section):
-    scenes_per_job: int
+    scenes_per_job: int = Field(json_schema_extra=NO_EFFECT)
     pairs: int
 
 
@@ -23,7 +24,7 @@ class Outer(Section):
     parts: list[Inner]
 
 
-def test_digests_depend_on_all_values_but_not_on_the_size_of_jobs():
+def test_digests_depend_on_all_values_but_those_that_affect_no_result():
     def outer(pairs: int, size: int) -> Outer:
         inner = Inner(scenes_per_job=size, pairs=pairs)
         return Outer(name="a", inner=inner, parts=[inner, inner])

@@ -20,8 +20,9 @@ SHIPPED = Path(__file__).resolve().parents[3] / "results/paper/models/masks/raft
 def predict(first: Path, second: Path, predictor: Path, out: Path | None) -> None:
     """Find what changed between two pictures of one camera.
 
-    Prints the outcome, and writes a picture in which the changes are outlined. The outcome is one of three: the same view, another view, or the same view in which objects
-    moved. FIRST and SECOND are PNG or JPEG files of the same size, at least 64 pixels per side.
+    Prints the outcome, and writes a picture in which the changes are outlined. The outcome is one
+    of three: the same view, another view, or the same view in which objects moved. FIRST and SECOND
+    are PNG or JPEG files of the same size, at least 64 pixels per side.
     """
     from ..change_detection.predict import predict_files
 

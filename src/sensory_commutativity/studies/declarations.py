@@ -5,9 +5,8 @@ computes it. From the declaration follow the schema, the checks when a table is 
 line, the names of the files, and the hash of the settings on which the workflow's rules depend. The
 rules themselves are written out in ``workflow/rules/``, so that the chain can be read there.
 
-A module ``studies/STUDY/tables/NAME.py`` declares the table NAME, a module
-``studies/STUDY/figures/NAME.py`` the figure NAME; arrays are in ``studies/STUDY/arrays/``, models in
-``studies/STUDY/models/``.
+A module ``studies/STUDY/tables/NAME.py`` declares the table NAME. Figures are declared in
+``studies/STUDY/figures/``, arrays in ``studies/STUDY/arrays/``, models in ``studies/STUDY/models/``.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 from ..errors import UserError
@@ -144,6 +143,32 @@ class Expected:
     counts: Mapping[tuple, int | None]
 
 
+@dataclass(frozen=True)
+class TrainingOutput:
+    """Where training writes a model and its curve, and what it records in them.
+
+    Attributes
+    ----------
+    model : Path
+        File of the model.
+    curve : Path
+        File of the training curve; checkpoints lie beside it. The file of the model, if there is no
+        curve.
+    settings_digest : str
+        Hash of everything that determines the model, for checkpoints.
+    metadata : mapping of str to str
+        Provenance, to be stored in the model.
+    write_curve : callable
+        Writes the curve, a DataFrame.
+    """
+
+    model: Path
+    curve: Path
+    settings_digest: str
+    metadata: Mapping[str, str]
+    write_curve: Callable[[pd.DataFrame], None]
+
+
 Inputs = Sequence[str] | Callable[[Config, str | None], Sequence[str]]
 
 
@@ -245,8 +270,8 @@ class Arrays(Product):
 class Model(Product):
     """A trained model, one file per run.
 
-    ``compute(*inputs, config, run, outputs)`` writes the files `outputs`: the model and, if it has
-    one, its training curve, a shard of the table `curve`.
+    ``compute(*inputs, config, run, output)`` writes the model and, if it has one, its training
+    curve, a shard of the table `curve`; `output` is a :class:`TrainingOutput`.
 
     Attributes
     ----------

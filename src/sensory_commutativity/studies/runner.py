@@ -12,9 +12,20 @@ from ..errors import TableError, UserError
 from ..storage.batches import compute_in_batches, remove_batches
 from ..storage.tables import check_key, read_metadata, read_table, write_table
 from .config import Config
-from .declarations import Animation, Arrays, Batched, Expected, Figure, Model, Product, Shard, Table
+from .declarations import (
+    Animation,
+    Arrays,
+    Batched,
+    Expected,
+    Figure,
+    Model,
+    Product,
+    Shard,
+    Table,
+    TrainingOutput,
+)
 from .provenance import provenance
-from .registry import input_shards, settings_digest
+from .registry import find_table, input_shards, settings_digest
 
 SETTINGS = "settings_sha256"
 """Metadata key of :func:`.registry.settings_digest`."""
@@ -67,7 +78,8 @@ def write_product(
         write_arrays(out, product.name, content, {**texts, **metadata_of(product, config, shard)})
     elif isinstance(product, Model):
         assert shard is not None
-        product.compute(*values, config, shard.run, [out, *([curve] if curve else [])])
+        output = training_output(product, config, shard.run, out, curve)
+        product.compute(*values, config, shard.run, output)
     elif isinstance(product, Animation):
         product.compute(*values, config, shard.run if shard else None, out)
     elif isinstance(product, Figure):
@@ -227,9 +239,18 @@ def _shards_by_file(product: Product, config: Config) -> dict[str, Shard | None]
     return {product.file(shard).name: shard for shard in shards}
 
 
-def model_metadata(product: Model, config: Config, run: str) -> dict[str, str]:
-    """Provenance of the model of a run, with the hash of its settings."""
-    return {**provenance(config), SETTINGS: settings_digest(product, config, run)}
+def training_output(
+    product: Model, config: Config, run: str, out: Path, curve: Path | None
+) -> TrainingOutput:
+    """What the training of a run is given: files to write, and its provenance."""
+    digest = settings_digest(product, config, run)
+
+    def write_curve(frame: pd.DataFrame) -> None:
+        assert product.curve is not None and curve is not None
+        write_shard(find_table(product.curve), config, run, frame, curve)
+
+    metadata = {**provenance(config), SETTINGS: digest}
+    return TrainingOutput(out, curve or out, digest, metadata, write_curve)
 
 
 def metadata_of(product: Product, config: Config, shard: Shard | None) -> dict[str, str]:

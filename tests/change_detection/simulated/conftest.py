@@ -10,7 +10,7 @@ import pytest
 from sensory_commutativity.change_detection.simulated.scene_sampler import SceneSampler
 from sensory_commutativity.worlds.apartment import geometry
 from sensory_commutativity.worlds.apartment.rendering.camera import Camera
-from sensory_commutativity.worlds.apartment.robots.robot import load_robot, set_fixed_joints
+from sensory_commutativity.worlds.apartment.robots.loading import load_robot, set_fixed_joints
 from sensory_commutativity.worlds.apartment.scenes.scene import Area, Fixture, Part, Scene, Solid
 from sensory_commutativity.worlds.apartment.scenes.scenefile import load_scene
 from sensory_commutativity.worlds.apartment.world import ApartmentWorld

@@ -7,7 +7,7 @@ import pytest
 
 from sensory_commutativity.studies.apartment.tables.apartment_order import apartment_order
 from sensory_commutativity.studies.config import Config
-from sensory_commutativity.worlds.apartment.robots.robot import load_robot
+from sensory_commutativity.worlds.apartment.robots.loading import load_robot
 from tests.studies.apartment.examples import FETCH, N, make_experiments, with_experiments
 
 

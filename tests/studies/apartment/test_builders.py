@@ -21,7 +21,7 @@ from sensory_commutativity.studies.apartment.tables.apartment_experiments import
 )
 from sensory_commutativity.studies.config import Config
 from sensory_commutativity.studies.loading import merge, validate
-from sensory_commutativity.worlds.apartment.robots.robot import load_robot
+from sensory_commutativity.worlds.apartment.robots.loading import load_robot
 from tests.worlds.apartment.examples import write_robot
 
 

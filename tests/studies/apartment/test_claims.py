@@ -7,7 +7,7 @@ import pandas as pd
 from sensory_commutativity.studies.apartment.claims import apartment_claims
 from sensory_commutativity.studies.apartment.tables.apartment_hierarchy import apartment_hierarchy
 from sensory_commutativity.studies.apartment.tables.apartment_scp import apartment_scp
-from sensory_commutativity.worlds.apartment.robots.robot import load_robot
+from sensory_commutativity.worlds.apartment.robots.loading import load_robot
 from tests.studies.apartment.examples import make_experiments, overlay
 from tests.worlds.apartment.examples import write_robot
 

@@ -75,9 +75,15 @@ def count_segments(monkeypatch, last: int = 99) -> list[int]:
     return segments
 
 
+def train_policy(scp, config, files) -> None:
+    run = "truncated.2000"
+    output = runner.training_output(navigation_policy, config, run, *files)
+    navigation_policy(scp, config, run, output)
+
+
 def test_a_run_writes_its_policy_and_curve_and_no_other_file(config, scp, files):
     policy, curve = files
-    navigation_policy(scp, config, "truncated.2000", files)
+    train_policy(scp, config, files)
     assert list(curve.parent.iterdir()) == [curve] and list(policy.parent.iterdir()) == [policy]
     model = load_state(policy, "")
     assert (model["action_space"], model["seed"]) == ("truncated", 2000)
@@ -95,12 +101,12 @@ def test_a_run_killed_between_its_files_writes_both_and_trains_nothing_again(
     with monkeypatch.context() as patch:
         patch.setattr(runner, "write_shard", kill)
         with pytest.raises(Killed):
-            navigation_policy(scp, config, "truncated.2000", files)
+            train_policy(scp, config, files)
     assert [path.suffix for path in curve.parent.iterdir()] == [".checkpoint"]
     weights = load_state(policy, "")["policy"]
     with monkeypatch.context() as patch:
         segments = count_segments(patch)
-        navigation_policy(scp, config, "truncated.2000", files)
+        train_policy(scp, config, files)
     assert segments == [] and list(curve.parent.iterdir()) == [curve]
     again = load_state(policy, "")["policy"]
     assert all(torch.equal(again[name], weights[name]) for name in weights)
@@ -111,11 +117,11 @@ def test_a_checkpoint_of_other_settings_is_not_used(config, scp, files, monkeypa
     with monkeypatch.context() as patch:
         count_segments(patch, last=1)
         with pytest.raises(Killed):
-            navigation_policy(scp, config, "truncated.2000", files)
+            train_policy(scp, config, files)
     assert len(list(curve.parent.glob(".*.checkpoint"))) == 1
     with monkeypatch.context() as patch:
         segments = count_segments(patch)
-        navigation_policy(scp, overlay(config, max_episode_steps=12), "truncated.2000", files)
+        train_policy(scp, overlay(config, max_episode_steps=12), files)
     assert len(segments) == 3 and list(curve.parent.iterdir()) == [curve]
 
 
@@ -126,11 +132,11 @@ def test_a_damaged_checkpoint_stops_the_run_before_it_writes_anything(
     with monkeypatch.context() as patch:
         count_segments(patch, last=1)
         with pytest.raises(Killed):
-            navigation_policy(scp, config, "truncated.2000", files)
+            train_policy(scp, config, files)
     (checkpoint,) = curve.parent.glob(".*.checkpoint")
     checkpoint.write_bytes(b"half")
     with pytest.raises(CheckpointError):
-        navigation_policy(scp, config, "truncated.2000", files)
+        train_policy(scp, config, files)
     assert not curve.exists() and not policy.exists()
     assert Checkpoint(curve, "other settings").load() is None
 

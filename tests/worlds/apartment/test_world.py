@@ -11,7 +11,7 @@ from sensory_commutativity.scp.experiment import endings_per_dof
 from sensory_commutativity.scp.world import World
 from sensory_commutativity.worlds.apartment.physics.starts import StartError, draw_start
 from sensory_commutativity.worlds.apartment.rendering.camera import Camera
-from sensory_commutativity.worlds.apartment.robots.robot import load_robot
+from sensory_commutativity.worlds.apartment.robots.loading import load_robot
 from sensory_commutativity.worlds.apartment.scenes.scene import Area, Fixture, Scene
 from sensory_commutativity.worlds.apartment.scenes.scenefile import load_scene
 from sensory_commutativity.worlds.apartment.world import ApartmentWorld

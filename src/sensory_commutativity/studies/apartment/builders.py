@@ -60,7 +60,7 @@ def build_scene(settings: ApartmentConfig, scene: str) -> Scene:
 
 def load_named_robot(settings: ApartmentConfig, robot: str) -> Robot:
     """The robot apartment.robots.`robot`. Raises RobotError."""
-    from ...worlds.apartment.robots.robot import load_robot
+    from ...worlds.apartment.robots.loading import load_robot
 
     return load_robot(settings.robots[robot].description)
 
@@ -129,7 +129,7 @@ def contents(file: str | None, kind: Literal["robot", "scene", "weights"]) -> tu
         return ()
     paths = [Path(file)]
     if kind == "robot":
-        from ...worlds.apartment.robots.robot import load_robot
+        from ...worlds.apartment.robots.loading import load_robot
 
         paths += load_robot(file).urdf.files
     elif kind == "scene":

@@ -69,7 +69,7 @@ def _rows(table: pd.DataFrame, robot: str, scene: str, config: Config) -> pd.Dat
 def _of_robot(
     robot: str, scene: str, section: str, tables: dict[str, pd.DataFrame], config: Config
 ) -> list[Claim]:
-    from ...worlds.apartment.robots.robot import load_robot
+    from ...worlds.apartment.robots.loading import load_robot
 
     loaded = load_robot(config.apartment.robots[robot].description)
     groups = loaded.hierarchy
@@ -136,7 +136,7 @@ def _still(dof: str, robot: str, scene: str, scp: pd.DataFrame, config: Config) 
 
 def _nearest_half(robot: str, scene: str, scp: pd.DataFrame, config: Config) -> Claim | None:
     """About the first joint of the arm, outwards from the base, at the reference threshold."""
-    from ...worlds.apartment.robots.robot import load_robot
+    from ...worlds.apartment.robots.loading import load_robot
 
     loaded = load_robot(config.apartment.robots[robot].description)
     arm = [joint.name for joint in loaded.joints if joint.kind != "prismatic"]

@@ -145,7 +145,7 @@ def make_test_sampler(config: Config, run: TupleRun, scene: int) -> SceneSampler
 
 def load_masks_robot(config: Config) -> Robot:
     """The robot, with its fixed joints at the positions of masks.fixed. Raises RobotError."""
-    from ...worlds.apartment.robots.robot import load_robot, set_fixed_joints
+    from ...worlds.apartment.robots.loading import load_robot, set_fixed_joints
 
     masks = config.masks
     robot = load_robot(config.apartment.robots[masks.robot].description)

@@ -10,7 +10,7 @@ import pytest
 from sensory_commutativity.worlds.apartment.physics.simulation import PARKED, Simulation
 from sensory_commutativity.worlds.apartment.physics.snapshots import SimulationSnapshot
 from sensory_commutativity.worlds.apartment.physics.starts import draw_start
-from sensory_commutativity.worlds.apartment.robots.robot import load_robot
+from sensory_commutativity.worlds.apartment.robots.loading import load_robot
 from sensory_commutativity.worlds.apartment.scenes.scene import Scene
 from sensory_commutativity.worlds.apartment.scenes.scenefile import load_scene
 from tests.helpers import ROOT

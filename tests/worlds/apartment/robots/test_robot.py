@@ -10,7 +10,7 @@ import pytest
 from sensory_commutativity.worlds.apartment import frames as fr
 from sensory_commutativity.worlds.apartment.robots.body import build_body
 from sensory_commutativity.worlds.apartment.robots.bullet_urdf import merge_inertials
-from sensory_commutativity.worlds.apartment.robots.robot import load_robot, set_fixed_joints
+from sensory_commutativity.worlds.apartment.robots.loading import load_robot, set_fixed_joints
 from sensory_commutativity.worlds.apartment.robots.urdf import Link, RobotError
 from tests.worlds.apartment.examples import ARM, ARM_URDF, ROBOTS, write_robot
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pandas as pd
 
 from ....storage.provenance import package_versions
 from ...config import Config
-from ...declarations import model
+from ...declarations import TrainingOutput, model
 from ..builders import measured_scp, scales_of_run, training_run
 from ..runs import TRAINING, training_runs
-from ..tables.navigation_curves import navigation_curves
 
 
 @model(
@@ -22,19 +20,17 @@ from ..tables.navigation_curves import navigation_curves
     inputs=["navigation_scp"],
     shards=TRAINING,
 )
-def navigation_policy(scp: pd.DataFrame, config: Config, run: str, outputs: list[Path]) -> None:
+def navigation_policy(scp: pd.DataFrame, config: Config, run: str, output: TrainingOutput) -> None:
     """Train one run, or resume where training was killed; write the policy and its curve."""
     from ....navigation.training import train  # imports torch
     from ....storage.checkpoints import Checkpoint, save_state
-    from ...runner import model_metadata, write_shard
 
-    policy, curve = outputs
     action_space, seed = training_runs(config)[run]
     scales = scales_of_run(config, measured_scp(config, scp), action_space, seed)
     training = training_run(config, action_space, seed, scales)
-    checkpoint = Checkpoint(curve, f"{training.settings} {json.dumps(package_versions())}")
-    rows, trained = train(training, checkpoint)
-    save_state(policy, {**trained, "about": model_metadata(navigation_policy, config, run)})
-    rows = rows.assign(action_space=action_space, seed=seed)
-    write_shard(navigation_curves, config, run, rows, curve)
+    versions = json.dumps(package_versions())
+    checkpoint = Checkpoint(output.curve, f"{training.settings} {versions}")
+    curve, trained = train(training, checkpoint)
+    save_state(output.model, {**trained, "about": dict(output.metadata)})
+    output.write_curve(curve.assign(action_space=action_space, seed=seed))
     checkpoint.remove()

@@ -18,7 +18,8 @@ from ..builders import count_pair_scenes, data_settings, make_pair_sampler, pair
     shards=Shards(
         runs=count_pair_scenes,
         settings=lambda config, split: [
-            data_settings(config), pairs_in_scene(config, split, count_pair_scenes(config)[split] - 1)
+            data_settings(config),
+            pairs_in_scene(config, split, count_pair_scenes(config)[split] - 1),
         ],
         per_shard=lambda config: config.masks.data.scenes_per_job,
     ),

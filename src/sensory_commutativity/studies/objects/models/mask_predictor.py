@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...config import Config
-from ...declarations import Shards, model
+from ...declarations import Shards, TrainingOutput, model
 from ..builders import MODELS, trained_models
 
 if TYPE_CHECKING:
@@ -40,27 +40,28 @@ def mask_predictor(*arguments) -> None:
     """Train the view classifier of a model, or resume, and write the predictor, tuned.
 
     `arguments` are the files of the trained model, of its regions and of the validation pairs (for
-    the image difference the last alone), then the configuration, the name and the outputs.
+    the image difference the last alone), then the configuration, the name and a
+    :class:`.TrainingOutput`.
     """
     import torch
 
     from ....change_detection.pair_files import read_pairs
     from ....change_detection.predictor import UNTRAINED, MaskPredictor
 
-    *inputs, config, name, outputs = arguments
+    *inputs, config, name, output = arguments
     torch.set_num_threads(1)
     held_out = read_pairs(*inputs[-1])
     if name == UNTRAINED:
         difference = MaskPredictor(UNTRAINED, None)
         probabilities = difference.predict_proba(held_out.pictures)
-        _tune_and_save(difference, probabilities, held_out, outputs[0], config)
+        _tune_and_save(difference, probabilities, held_out, output)
     else:
-        _train_view_classifier(inputs[0], inputs[1], held_out, config, name, outputs[0])
+        _train_view_classifier(inputs[0], inputs[1], held_out, config, name, output)
 
 
 def _train_view_classifier(
     model_file: Path, region_files: list[Path], held_out: Pairs, config: Config, name: str,
-    out: Path,
+    output: TrainingOutput,
 ) -> None:  # fmt: skip
     """A classifier without regions to learn from, or one that harms, is left out."""
     from ....change_detection.predictor import best_device, load_predictor
@@ -68,23 +69,22 @@ def _train_view_classifier(
     from ....storage.checkpoints import Checkpoint
     from ....storage.hashing import sha256
     from ....storage.provenance import package_versions
-    from ...registry import settings_digest
     from ..builders import optimizer_settings, training_seed
 
     device = best_device()
     predictor, regions = load_predictor(model_file, name, device), read_regions(*region_files)
     sources = [sha256(path) for path in (model_file, *region_files)]
-    digest = settings_digest(mask_predictor, config, name)
-    checkpoint = Checkpoint(out, f"{digest} {sources} {device} {json.dumps(package_versions())}")
+    settings = f"{output.settings_digest} {sources} {device} {json.dumps(package_versions())}"
+    checkpoint = Checkpoint(output.model, settings)
     probabilities = predictor.predict_proba(held_out.pictures)
     if len(regions.empty):
-        settings = optimizer_settings(config.masks.view_classifier)
-        trainer = ViewClassifierTrainer(regions, settings, training_seed(config), device)
+        optimizer = optimizer_settings(config.masks.view_classifier)
+        trainer = ViewClassifierTrainer(regions, optimizer, training_seed(config), device)
         trainer.fit(checkpoint, f"view classifier of {name}")
         probabilities = add_view_classifier(
             predictor, trainer.model.eval(), probabilities, held_out
         )
-    _tune_and_save(predictor, probabilities, held_out, out, config)
+    _tune_and_save(predictor, probabilities, held_out, output)
     checkpoint.remove()
 
 
@@ -141,11 +141,10 @@ def add_view_classifier(
 
 
 def _tune_and_save(
-    predictor: MaskPredictor, probabilities: np.ndarray, held_out: Pairs, path: Path, config: Config
+    predictor: MaskPredictor, probabilities: np.ndarray, held_out: Pairs, output: TrainingOutput
 ) -> None:
     """Tune the decision thresholds on pairs neither trained on nor tested on, and save."""
     from ....change_detection.decision import accuracy_and_iou, tune_thresholds
-    from ...runner import model_metadata
 
     predictor.thresholds = tune_thresholds(probabilities, held_out.outcome)
     accuracy, iou = accuracy_and_iou(
@@ -155,4 +154,4 @@ def _tune_and_save(
         f"{predictor.name}: validation: accuracy {accuracy:.3f}, mean IoU {iou:.3f}",
         file=sys.stderr,
     )
-    predictor.save(path, model_metadata(mask_predictor, config, predictor.name))
+    predictor.save(output.model, dict(output.metadata))

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from ...config import Config
-from ...declarations import Shards, model
+from ...declarations import Shards, TrainingOutput, model
 from ..builders import trained_models, training_settings
-from ..tables.mask_curves import mask_curves
 
 if TYPE_CHECKING:
     from ....change_detection.pair_files import Pairs
@@ -27,7 +27,11 @@ if TYPE_CHECKING:
     shards=Shards(runs=trained_models, settings=training_settings),
 )
 def mask_training(
-    training: list[Path], validation: list[Path], config: Config, name: str, outputs: list[Path]
+    training: list[Path],
+    validation: list[Path],
+    config: Config,
+    name: str,
+    output: TrainingOutput,
 ) -> None:
     """Train a model, or resume where training was killed; write the model and its curve."""
     import torch
@@ -38,18 +42,13 @@ def mask_training(
     from ....change_detection.training.mask_trainer import MaskTrainer
     from ....storage.checkpoints import Checkpoint
     from ....storage.provenance import package_versions
-    from ...registry import settings_digest
-    from ...runner import model_metadata, write_shard
     from ..builders import optimizer_settings, training_seed
 
-    import pandas as pd  # isort: skip
-
-    predictor, curve = outputs
     settings = config.masks.model(name)  # type: ignore[arg-type]  # checked by the runner
     torch.set_num_threads(settings.threads)
     device = best_device()
-    digest = settings_digest(mask_training, config, name)
-    checkpoint = Checkpoint(curve, f"{digest} {device} {json.dumps(package_versions())}")
+    versions = json.dumps(package_versions())
+    checkpoint = Checkpoint(output.curve, f"{output.settings_digest} {device} {versions}")
     pairs, held_out = read_pairs(*training), read_pairs(*validation)
     trainer = MaskTrainer(name, optimizer_settings(settings), pairs, training_seed(config), device)
     steps = trainer.settings.steps
@@ -65,10 +64,9 @@ def mask_training(
         return row
 
     rows = trainer.fit(checkpoint, name, evaluations.tolist(), evaluate)
-    MaskPredictor(name, trainer.model, device=device).save(
-        predictor, model_metadata(mask_training, config, name)
-    )
-    write_shard(mask_curves, config, name, pd.DataFrame(rows).assign(model=name), curve)
+    predictor = MaskPredictor(name, trainer.model, device=device)
+    predictor.save(output.model, dict(output.metadata))
+    output.write_curve(pd.DataFrame(rows).assign(model=name))
     checkpoint.remove()
 
 

@@ -21,7 +21,7 @@ REFERENCE_MODEL = "raft"
 
 
 def compare_models(scores: pd.DataFrame) -> pd.DataFrame:
-    """Compare REFERENCE_MODEL with every other model on every test set; `scores` is a mask_scores table."""
+    """Compare REFERENCE_MODEL with every other model on every test set, from mask_scores."""
     from scipy import stats
 
     from ....statistics.clusters import paired_cluster_difference

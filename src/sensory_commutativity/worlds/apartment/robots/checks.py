@@ -6,12 +6,9 @@ Every message names the key of the description and how to correct it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
+from .robot import Robot
 from .urdf import Joint
-
-if TYPE_CHECKING:
-    from .robot import Robot
 
 
 def find_problems(robot: Robot) -> Iterator[str]:
