@@ -113,7 +113,10 @@ def _apartment() -> tuple[Any, ...]:
     """Fetch in the stand-in for Rs, the VGG16 features, and a counter of start situations."""
     import torch
 
-    from sensory_commutativity.studies.apartment.builders import perceptual_features, build_run_world
+    from sensory_commutativity.studies.apartment.builders import (
+        build_run_world,
+        perceptual_features,
+    )
 
     torch.set_num_threads(1)
     config = load("config/default.yaml")

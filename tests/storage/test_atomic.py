@@ -41,9 +41,9 @@ def test_a_block_that_fails_changes_nothing(tmp_path):
 
 def test_a_full_disk_is_explained(tmp_path):
     path = tmp_path / "file.txt"
-    with pytest.raises(UserError, match=r"cannot be written: .*; free some space and run again"):
-        with atomic_write(path):
-            raise OSError(errno.ENOSPC, "full")
+    message = "cannot be written: .*; free some space and run again"
+    with pytest.raises(UserError, match=message), atomic_write(path):
+        raise OSError(errno.ENOSPC, "full")
     with pytest.raises(OSError, match="other"), atomic_write(path):
         raise OSError(errno.EIO, "other")
 

@@ -16,7 +16,7 @@ from sensory_commutativity.errors import TableError, UserError
 from sensory_commutativity.storage.arrays import read_arrays, write_arrays
 from sensory_commutativity.storage.columns import INT, Column
 from sensory_commutativity.storage.tables import read_metadata, write_table
-from sensory_commutativity.studies import runner
+from sensory_commutativity.studies import registry, runner
 from sensory_commutativity.studies.config import Config
 from sensory_commutativity.studies.declarations import Batched, Product, Shards, arrays, table
 from sensory_commutativity.studies.flatland.builders import DOFS
@@ -125,9 +125,7 @@ def test_a_table_is_computed_from_a_table_that_is_complete_and_of_this_configura
 
 def test_inputs_are_recognized_by_their_names_in_any_order(tiny_config, tmp_path):
     config, names = tiny_config, ["flatland_baselines.parquet", "flatland_scp.parquet"]
-    from sensory_commutativity.studies.registry import find_table
-
-    product = find_table("flatland_alternatives")
+    product = registry.find_table("flatland_alternatives")
     for folders in (("a", "b"), ("b", "a")):
         paths = [tmp_path / folder / name for folder, name in zip(folders, names, strict=True)]
         for given in itertools.permutations(paths):
@@ -179,8 +177,6 @@ def pixels(files: list[Path], config: Config) -> pd.DataFrame:
 @pytest.fixture
 def declared(monkeypatch):
     """`pictures` is among the declarations."""
-    from sensory_commutativity.studies import registry
-
     monkeypatch.setattr(registry, "find_product", lambda name: {"pictures": pictures}[name])
 
 
@@ -249,8 +245,8 @@ def test_shards_must_be_all_there_once_and_of_this_configuration(
 
     message = refuse_shards(given=paths[1:])
     assert message.startswith(f"flatland_experiments needs the input {RUN}.1-of-2.parquet; give")
-    assert "polyphemus.4.2-of-2.parquet and 1 more; give" in refuse_shards(given=[*paths[:1],
-                                                                                  *paths[3:]])  # fmt: skip
+    message = refuse_shards(given=[*paths[:1], *paths[3:]])
+    assert "polyphemus.4.2-of-2.parquet and 1 more; give" in message
     assert "1-of-2.parquet: given twice" in refuse_shards(given=[*paths, paths[0]])
     stranger = tmp_path / "attic.polyphemus.4.1-of-1.parquet"
     assert "attic.polyphemus.4.1-of-1.parquet: is no input" in refuse_shards(

@@ -52,7 +52,7 @@ def test_derived_tables_follow_from_the_tables_that_they_are_computed_from(paper
     for name in (
         "flatland_scp", "flatland_sensitivity", "flatland_comparisons", "flatland_trends",
         "apartment_scp", "apartment_interaction", "mask_dof", "mask_summary", "mask_comparisons",
-        "navigation_scores", "navigation_summary",
+        "mask_discoveries", "navigation_scores", "navigation_summary", "paper_comparison",
     ):  # fmt: skip
         table = find_table(name)
         inputs = [read_shipped(source) for source in table.input_names(paper_config)]

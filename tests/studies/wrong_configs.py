@@ -28,6 +28,7 @@ CONSTRAINTS = {
 STRUCTURE = {
     "title", "description", "default", "type", "properties", "required", "additionalProperties",
     "patternProperties", "propertyNames", "items", "anyOf", "$ref", "$defs", "$schema",
+    "affects_results",
 }  # fmt: skip
 
 

@@ -33,7 +33,10 @@ def run() -> None:
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def provenance(file: Path, as_json: bool) -> None:
-    """Print where FILE comes from: a table, array file, model or figure of a run."""
+    """Print where a file of a run comes from.
+
+    FILE is a table, an array file, a model or a figure.
+    """
     from ..runs.origin import read_origin
 
     origin = read_origin(file)
@@ -56,10 +59,11 @@ def _lines(key: str, value: str) -> list[str]:
 @click.argument("run_a", type=FOLDER)
 @click.argument("run_b", type=FOLDER)
 def compare(run_a: Path, run_b: Path) -> None:
-    """Compare the tables of RUN_A and RUN_B, folders like results/paper.
+    """Compare the tables of two runs, RUN_A and RUN_B.
 
-    Says which tables differ, by how much, and whether beyond their intervals. The exit code is 1 if
-    a table is missing in one run, unreadable, has other rows, or differs beyond its intervals.
+    Runs are folders like results/paper. Says which tables differ, by how much, and whether beyond
+    their intervals. The exit code is 1 if a table is missing in one run, unreadable, has other
+    rows, or differs beyond its intervals.
     """
     from ..runs.compare import compare_runs, find_tables_folder
     from ..runs.origin import read_origin
@@ -106,10 +110,10 @@ def _describe(difference: TableDifference) -> str:
 @run.command()
 @out_option
 def checksums(out: Path) -> None:
-    """Write the SHA-256 of every file of the run whose folder holds OUT.
+    """Write the SHA-256 of every file of a run.
 
-    `sha256sum -c` reads OUT. A file that was not written since OUT was last written keeps its
-    line, so that damage does not get a new checksum.
+    The run is the one whose folder holds OUT. `sha256sum -c` reads OUT. A file that was not written
+    since OUT was last written keeps its line, so that damage does not get a new checksum.
     """
     from ..runs.checksums import write_manifest
 
@@ -121,11 +125,11 @@ def checksums(out: Path) -> None:
 @click.argument("folder", metavar="RUN", type=FOLDER)
 @click.option("--remove", is_flag=True, help="Delete bad files; the workflow makes them again.")
 def verify(folder: Path, remove: bool) -> None:
-    """Check that RUN, a folder like results/default, is as it was made.
+    """Check that the files of a run are as they were made.
 
-    Names every file that is damaged, missing or changed. Files are compared with the checksums that
-    the workflow writes at its end; files without one are read from end to end. The exit code is 1
-    if a file is bad.
+    RUN is a folder like results/default. Names every file that is damaged, missing or changed.
+    Files are compared with the checksums that the workflow writes at its end; files without one are
+    read from end to end. The exit code is 1 if a file is bad.
     """
     from ..runs.verify import remove_bad_files, verify_run
 
@@ -164,9 +168,10 @@ def verify(folder: Path, remove: bool) -> None:
 @click.option("--out", type=FILE, required=True, help="ZIP file to write.")
 @click.option("--with-data", is_flag=True, help="Include the raw data, which no figure needs.")
 def crate(folder: Path, out: Path, with_data: bool) -> None:
-    """Write RUN, a folder like results/default, as a Workflow Run RO-Crate for an archive.
+    """Write a run as a Workflow Run RO-Crate, for an archive.
 
-    It holds settings, tables, models, figures and the workflow.
+    RUN is a folder like results/default. The crate holds settings, tables, models, figures and the
+    workflow.
     """
     from ..runs.crate import write_crate
 

@@ -121,5 +121,5 @@ def test_a_dof_is_tried_against_another_sequence_of_its_own(tiny_config):
 
 def test_runs_are_named_after_world_agent_and_length(default_config):
     runs = experiment_runs(default_config)
-    assert list(runs)[0] == "furnished.polyphemus.50" and len(runs) == 18
+    assert next(iter(runs)) == "furnished.polyphemus.50" and len(runs) == 18
     assert runs["things-12.long-arms.50"] == ("things-12", "long-arms", 50, 300)

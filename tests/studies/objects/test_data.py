@@ -16,6 +16,7 @@ from sensory_commutativity.change_detection.simulated.object_experiments import 
 from sensory_commutativity.storage.arrays import read_arrays
 from sensory_commutativity.studies import runner
 from sensory_commutativity.studies.config import Config
+from sensory_commutativity.studies.objects import builders
 from sensory_commutativity.studies.objects.arrays.local_scp_experiments import local_scp_experiments
 from sensory_commutativity.studies.objects.arrays.mask_examples import (
     choose_examples,
@@ -25,7 +26,6 @@ from sensory_commutativity.studies.objects.arrays.mask_pairs import mask_pairs
 from sensory_commutativity.studies.objects.arrays.mask_tuples import mask_tuples
 from sensory_commutativity.studies.objects.builders import (
     map_poses,
-    test_set_names,
     tuple_runs,
 )
 from sensory_commutativity.studies.objects.pictures import read_examples
@@ -108,8 +108,9 @@ def test_the_map_does_not_depend_on_how_poses_are_cut(config, tmp_path):
         assert np.array_equal(array, two[name]), name
     texts = [read_arrays(path, "local_scp_experiments")[1] for path in [*files, *file]]
     for key in ("rooms", "nearest"):
-        parts = [json.loads(text[key]) for text in texts]
-        assert sum(parts[:-1], []) == parts[-1] and len(parts[-1]) == len(one["pose"])
+        *parts, whole = [json.loads(text[key]) for text in texts]
+        assert [value for part in parts for value in part] == whole
+        assert len(whole) == len(one["pose"])
     assert 1 < len(one["pose"]) < 7  # at the other poses the robot cannot stand
     n = len(one["pose"]) * config.masks.map.experiments
     assert one["pictures"].shape == (n, 2, 128, 128, 3) and one["clearance"].max() <= 1
@@ -145,7 +146,7 @@ def test_examples_show_the_experiments_that_were_chosen_by_their_scores(
     arrays, test_sets = read_examples([out])
     chosen = [
         (test_set, experiment)
-        for test_set in test_set_names(config)
+        for test_set in builders.test_set_names(config)
         for experiment, _ in choose_examples(scores[scores["test_set"] == test_set])
     ]
     assert test_sets == [test_set for test_set, _ in chosen]

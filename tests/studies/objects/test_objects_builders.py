@@ -7,10 +7,10 @@ import pytest
 
 from sensory_commutativity.errors import UserError
 from sensory_commutativity.studies.loading import merge, validate
+from sensory_commutativity.studies.objects import builders
 from sensory_commutativity.studies.objects.builders import (
     check_masks,
     load_masks_robot,
-    test_set_names,
     tuple_runs,
 )
 from sensory_commutativity.studies.objects.tables.mask_dof import mask_dof
@@ -18,7 +18,7 @@ from sensory_commutativity.studies.objects.tables.mask_dof import mask_dof
 
 def test_every_shift_of_the_data_is_tested_alone_and_all_together(default_config):
     masks = default_config.masks
-    assert test_set_names(default_config) == [
+    assert builders.test_set_names(default_config) == [
         "as-trained", "other-view", "other-objects", "other-apartments", "all-other"
     ]  # fmt: skip
     run = tuple_runs(default_config)["all-other"]
