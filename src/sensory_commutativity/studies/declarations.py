@@ -6,7 +6,8 @@ line, the names of the files, and the hash of the settings on which the workflow
 rules themselves are written out in ``workflow/rules/``, so that the chain can be read there.
 
 A module ``studies/STUDY/tables/NAME.py`` declares the table NAME. Figures are declared in
-``studies/STUDY/figures/``, arrays in ``studies/STUDY/arrays/``, models in ``studies/STUDY/models/``.
+``studies/STUDY/figures/``, arrays in ``studies/STUDY/arrays/``, models in
+``studies/STUDY/models/``.
 """
 
 from __future__ import annotations
