@@ -18,14 +18,19 @@ settings.register_profile("repeatable", max_examples=50, deadline=None, derandom
 settings.load_profile("repeatable")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Start with the tests of the workflow, which take longest."""
+    items.sort(key=lambda item: not item.nodeid.startswith("tests/workflow/"))
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log):
-    """Send the tests of the finished workflow to one process, which runs it once."""
+    """Send the tests of the workflow to one process, and each other file to whichever is free."""
     from xdist.scheduler import LoadScopeScheduling
 
     class Scheduling(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            return "workflow" if nodeid.startswith("tests/workflow/") else nodeid
+            return "workflow" if nodeid.startswith("tests/workflow/") else nodeid.split("::")[0]
 
     return Scheduling(config, log)
 
