@@ -21,13 +21,15 @@ from .running import (
 )
 from .slurm import Slurm, SlurmError, find_obstacle
 
-TABLES = Path("results", "test", "tables")
+RESULTS = Path("results", "test")
+TABLES = RESULTS / "tables"
 COMPARED = [
-    TABLES / f"{name}.parquet"
-    for name in ("flatland_alternatives", "flatland_commutation", "apartment_order", "mask_curves",
-                 "navigation_scores")
-]  # fmt: skip
-"""Tables that are also computed without a kill, on Slurm if there is one: one of every kind of work
+    TABLES / "flatland_commutation.parquet",
+    RESULTS / "data" / "apartment_experiments" / "fetch.rs-stand-in.anywhere.4.1-of-2.parquet",
+    TABLES / "mask_curves.parquet",
+    RESULTS / "data" / "navigation_curves" / "full.2000.parquet",
+]
+"""Files that are also computed without a kill, on Slurm if there is one: one of each kind of work
 (simulation in 2-D and 3-D, pictures, training)."""
 
 
