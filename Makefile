@@ -11,7 +11,7 @@ SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet host reason --rerun-incom
 UNLOCK := pgrep -f '[b]in/snakemake' > /dev/null || $(BIN)/python -m snakemake --unlock --quiet all  # the pattern must not match this line itself
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: all default paper bench scaling replay test lint format lock schema clean help
+.PHONY: all default paper bench scaling replay test coverage lint format lock schema clean help
 .DEFAULT_GOAL := default
 
 all: default
@@ -43,6 +43,9 @@ replay: $(READY)  ## play 1,000 SC-experiments of the apartment again and compar
 
 test: $(READY)  ## run all tests
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadscope
+
+coverage: $(READY)  ## branch coverage of all tests that do not run the workflow
+	$(BIN)/python -m pytest --numprocesses 2 --dist loadscope --ignore=tests/workflow --cov --cov-report=term
 
 lint: $(READY)  ## check style, types and the layers of the package
 	$(BIN)/ruff check src tests benchmarks
