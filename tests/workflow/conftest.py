@@ -35,8 +35,7 @@ COMPARED = [
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The whole workflow on the test profile: started on one core, killed with all its children,
-    and resumed on two."""
+    """The whole workflow on the test profile: killed with all its children, and resumed."""
     folder = copy_workflow(tmp_path_factory.mktemp("finished"))
     data = folder / "results" / "test" / "data"
 
@@ -44,7 +43,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
         """Shards and when they were written; hidden folders, which come and go, are not entered."""
         return {path: path.stat().st_mtime_ns for path in data.glob("[!.]*/[!.]*.parquet")}
 
-    process = start(command("--cores", "1"), folder, ENVIRONMENT)
+    process = start(command("--cores", "2"), folder, ENVIRONMENT)
     wait_until(lambda: len(finished_shards()) >= 8, process, "part of the work")
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
@@ -54,7 +53,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     run = snakemake(folder, "--cores", "2", "--rerun-incomplete")
     assert run.returncode == 0, run.stderr
     again = [path for path, when in kept.items() if path.stat().st_mtime_ns != when]
-    assert len(again) <= 1, f"finished work was done again: {again}"
+    assert len(again) <= 2, f"finished work was done again: {again}"
     return folder
 
 
