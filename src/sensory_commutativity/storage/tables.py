@@ -77,15 +77,18 @@ def read_table(path: Path, name: str, columns: Sequence[Column]) -> pd.DataFrame
     return frame
 
 
-def check_key(frame: pd.DataFrame, key: list[str], path: Path) -> None:
-    """Raise TableError if two rows of `frame` have the same values in the columns `key`."""
+def check_key(frame: pd.DataFrame, key: list[str], path: Path, culprit: str = "it") -> None:
+    """Raise TableError if two rows of `frame` have the same values in the columns `key`.
+
+    `culprit` says what to delete: by default the file `path` itself.
+    """
     repeated = frame.duplicated(key) if key else pd.Series(False, frame.index)
     if repeated.any():
         first = frame.loc[repeated.idxmax(), key]
         where = ", ".join(f"{column} {value}" for column, value in first.items())
         raise TableError(
             f"{path}: {int(repeated.sum())} rows are repeated, the first with {where}; "
-            "delete it and run again"
+            f"delete {culprit} and run again"
         )
 
 

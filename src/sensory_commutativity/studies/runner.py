@@ -132,8 +132,8 @@ def _gather(product: Table, config: Config, paths: Sequence[Path], out: Path) ->
     frame, extra = read_shards(product, config, [files[product.file(s).name] for s in shards])
     if product.gather is not None:
         frame = product.gather(frame)
-    check_key(frame, product.key, out)
     check_complete(frame, product, config, out, "its shards")
+    check_key(frame, product.key, out, "its shards")
     metadata = {**metadata_of(product, config, None), **extra}
     write_table(out, product.name, product.columns, frame, metadata)
 
