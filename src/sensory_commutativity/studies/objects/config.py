@@ -3,7 +3,7 @@ D)."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -12,6 +12,16 @@ from ...storage.settings import NO_EFFECT, Name, Section
 ModelName = Literal["raft", "flownet"]
 LEARNED: tuple[ModelName, ...] = ("raft", "flownet")
 """Models that are trained; the image difference, a further model, is not."""
+
+ScenesPerJob = Annotated[
+    int,
+    Field(
+        ge=1,
+        le=100_000,
+        description="Cluttered scenes in a job; changes no result.",
+        json_schema_extra=NO_EFFECT,
+    ),
+]
 
 
 class MaskDataConfig(Section):
@@ -28,13 +38,7 @@ class MaskDataConfig(Section):
         150, ge=1, le=100_000,
         description="Pairs of each outcome that are made in one cluttered scene.",
     )  # fmt: skip
-    scenes_per_job: int = Field(
-        1,
-        ge=1,
-        le=100_000,
-        description="Cluttered scenes in a job; changes no result.",
-        json_schema_extra=NO_EFFECT,
-    )
+    scenes_per_job: ScenesPerJob = 1
 
 
 class MaskTestConfig(Section):
@@ -63,13 +67,7 @@ class MaskTestConfig(Section):
         50, ge=1, le=100_000,
         description="SC-experiments that are played in one cluttered scene.",
     )  # fmt: skip
-    scenes_per_job: int = Field(
-        1,
-        ge=1,
-        le=100_000,
-        description="Cluttered scenes in a job; changes no result.",
-        json_schema_extra=NO_EFFECT,
-    )
+    scenes_per_job: ScenesPerJob = 1
 
 
 class MaskModelConfig(Section):
