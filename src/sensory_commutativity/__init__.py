@@ -7,12 +7,15 @@ are the public API; they are imported when they are first used.
 from __future__ import annotations
 
 import importlib
-from importlib.metadata import version
 from typing import Any
 
-__version__ = version("sensory-commutativity")
+__version__ = "0.1.0"
 
 _MODULES = {
+    "measurement.measure": ("measure",),
+    "measurement.measurement": ("Measurement",),
+    "measurement.order": ("DofOrder",),
+    "scp.check": ("CheckResult", "WorldReport", "check_world"),
     "scp.world": ("Dof", "EventReporter", "SequencePlayer", "World", "play"),
     "scp.sequences": ("compose", "inverse", "no_op", "permute", "sample_sequence"),
     "scp.experiment": (
@@ -22,8 +25,19 @@ _MODULES = {
     "scp.equivalence": ("commutative_residue", "commute", "equivalent", "is_commutative_residue"),
     "scp.distances": ("mean_squared_error",),
     "scp.estimate": ("commutes", "estimate_scp"),
-    "seeding": ("generator", "seed_for"),
+    "adapters": ("as_world",),
+    "adapters.gymnasium": ("GymnasiumWorld", "from_gymnasium"),
+    "worlds.catalog": ("make_apartment", "make_world"),
     "worlds.corridor": ("Corridor",),
+    "worlds.flatland.agent": ("Polyphemus",),
+    "worlds.flatland.environment": ("FlatlandEnv",),
+    "worlds.flatland.room": ("Room",),
+    "worlds.flatland.world": ("FlatlandWorld",),
+    "worlds.apartment.world": ("ApartmentWorld",),
+    "change_detection.predict": ("Change", "predict_change"),
+    "navigation.action_spaces": ("ScaledAction", "VectorScaledAction", "action_scales"),
+    "seeding": ("generator", "seed_for"),
+    "errors": ("ArgumentError", "MissingExtraError", "UserError", "WorldError"),
 }  # fmt: skip
 """Module -> the public names that it defines."""
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
@@ -34,7 +48,11 @@ __all__ = ["__version__", *sorted(_MODULE_OF)]
 def __getattr__(name: str) -> Any:
     if name not in _MODULE_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f".{_MODULE_OF[name]}", __name__), name)
+    from .extras import extra_needed
+
+    with extra_needed():
+        module = importlib.import_module(f".{_MODULE_OF[name]}", __name__)
+    return getattr(module, name)
 
 
 def __dir__() -> list[str]:

@@ -1,17 +1,21 @@
-"""What moved between two picture files: the outcome in words, and a picture of the masks."""
+"""What moved between two pictures: the outcome, and the masks of what moved."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from PIL import Image, ImageOps, UnidentifiedImageError
 from scipy.ndimage import maximum_filter
 
+from ..data import data_file
+from ..errors import ArgumentError
 from ..storage.atomic import atomic_write
 from .decision import MASK_THRESHOLD
 from .outcome import Outcome
-from .predictor import PredictorError, check_same_size, load_predictor
+from .predictor import MaskPredictor, PredictorError, check_same_size, load_predictor
 from .tta import MIN_SIDE, SIDE_MULTIPLE
 
 TRAINING_SIDE = 128
@@ -24,15 +28,64 @@ _DESCRIPTIONS: dict[Outcome, str] = {
 }
 
 
-def predict_files(first: Path, second: Path, predictor: Path, out: Path) -> str:
-    """Predict what moved between two picture files.
+class Change(NamedTuple):
+    """What changed between two pictures.
+
+    Attributes
+    ----------
+    outcome : {"identical", "different", "moved"}
+        The same view in which nothing moved, another view, or the same view in which something
+        moved.
+    masks : bool (2, h, w)
+        What moved, where it is in the first picture and in the second; empty unless the outcome is
+        ``moved``.
+    """
+
+    outcome: Outcome
+    masks: np.ndarray
+
+
+def predict_change(
+    before: np.ndarray | str | Path,
+    after: np.ndarray | str | Path,
+    predictor: str | Path | None = None,
+) -> Change:
+    """Predict what changed between two pictures of one camera.
 
     Parameters
     ----------
-    first, second : Path
-        Pictures of equal size. They are scaled to about the size of the training pictures.
-    predictor : Path
-        A file of :meth:`.predictor.MaskPredictor.save`.
+    before, after : uint8 (h, w, 3), or path
+        RGB pictures of equal size, both sides at least 64 pixels. They are scaled to about the size
+        of the training pictures.
+    predictor : path, optional
+        A file of :meth:`.MaskPredictor.save`; by default the predictor that belongs to the package.
+
+    Raises
+    ------
+    ArgumentError
+        If an array is no RGB picture.
+    PredictorError
+        If a file is not a picture, or if the pictures differ in size or are too small.
+    """
+    loaded = _load_predictor(Path(predictor) if predictor is not None else shipped_predictor())
+    pictures = [_as_picture(*pair) for pair in (("before", before), ("after", after))]
+    check_same_size(*pictures)
+    prediction = loaded.predict(*(resize_to_training(picture) for picture in pictures))
+    sides = pictures[0].shape[:2]
+    masks = np.zeros((2, *sides), bool)
+    if prediction.outcome == "moved":
+        for mask, probabilities in zip(masks, prediction.probabilities, strict=True):
+            mask[:] = _resize(probabilities, sides, Image.Resampling.BILINEAR) > MASK_THRESHOLD
+    return Change(prediction.outcome, masks)
+
+
+def predict_files(first: Path, second: Path, predictor: Path | None, out: Path) -> str:
+    """Predict what changed between two picture files.
+
+    Parameters
+    ----------
+    first, second, predictor
+        As for :func:`predict_change`.
     out : Path
         PNG file to write: both pictures side by side, with outlined masks.
 
@@ -44,24 +97,41 @@ def predict_files(first: Path, second: Path, predictor: Path, out: Path) -> str:
     Raises
     ------
     PredictorError
-        If a file is not a picture, or if the pictures differ in size or are too small.
     """
-    loaded = load_predictor(predictor)
-    pictures = [read_picture(path) for path in (first, second)]
-    check_same_size(*pictures)
-    prediction = loaded.predict(*(resize_to_training(picture) for picture in pictures))
-    sides = pictures[0].shape[:2]
-    masks = np.zeros((2, *sides), bool)
+    pictures = before, after = read_picture(first), read_picture(second)
+    change = predict_change(before, after, predictor)
     pixels = ""
-    if prediction.outcome == "moved":
-        for mask, probabilities in zip(masks, prediction.probabilities, strict=True):
-            mask[:] = _resize(probabilities, sides, Image.Resampling.BILINEAR) > MASK_THRESHOLD
-        n_first, n_second = masks.sum((1, 2))
+    if change.outcome == "moved":
+        n_first, n_second = change.masks.sum((1, 2))
         pixels = f" ({n_first} pixels in {first.name}, {n_second} in {second.name})"
-    outlined = [draw_outline(*pair) for pair in zip(pictures, masks, strict=True)]
+    outlined = [draw_outline(*pair) for pair in zip(pictures, change.masks, strict=True)]
     with atomic_write(out) as temporary:
         Image.fromarray(np.concatenate(outlined, axis=1)).save(temporary, format="PNG")
-    return f"{_DESCRIPTIONS[prediction.outcome]}{pixels}; see {out}"
+    return f"{_DESCRIPTIONS[change.outcome]}{pixels}; see {out}"
+
+
+def shipped_predictor() -> Path:
+    """The predictor that belongs to the package: RAFT, trained at the paper's sizes."""
+    return data_file("predictors", "raft.predictor")
+
+
+@lru_cache(1)
+def _load_predictor(path: Path) -> MaskPredictor:
+    return load_predictor(path)
+
+
+def _as_picture(name: str, picture: np.ndarray | str | Path) -> np.ndarray:
+    if isinstance(picture, str | Path):
+        return read_picture(Path(picture))
+    if not isinstance(picture, np.ndarray) or picture.dtype != np.uint8 or (
+        picture.ndim != 3 or picture.shape[2] != 3
+    ):  # fmt: skip
+        kind = f"{picture.dtype} {picture.shape}" if isinstance(picture, np.ndarray) else "other"
+        raise ArgumentError(
+            f"{name}: expected an RGB picture, uint8 (height, width, 3), or a path; got "
+            f"{kind if kind != 'other' else type(picture).__name__}"
+        )
+    return picture
 
 
 def read_picture(path: Path) -> np.ndarray:

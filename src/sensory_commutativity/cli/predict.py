@@ -8,16 +8,13 @@ import click
 
 from .options import FILE
 
-SHIPPED = Path(__file__).resolve().parents[3] / "results/paper/models/masks/raft.predictor"
-"""The predictor that was trained at the paper's sizes; it is part of the repository."""
-
 
 @click.command()
 @click.argument("first", type=FILE)
 @click.argument("second", type=FILE)
-@click.option("--predictor", type=FILE, default=SHIPPED, help="A trained predictor.")
+@click.option("--predictor", type=FILE, help="A trained predictor [default: the package's].")
 @click.option("--out", type=FILE, help="Picture to write [default: SECOND-moved.png].")
-def predict(first: Path, second: Path, predictor: Path, out: Path | None) -> None:
+def predict(first: Path, second: Path, predictor: Path | None, out: Path | None) -> None:
     """Find what changed between two pictures of one camera.
 
     Prints the outcome, and writes a picture in which the changes are outlined. The outcome is one

@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..errors import ArgumentError
+
 Distance = Callable[[np.ndarray, np.ndarray], float]
 """d(s_1, s_2) >= 0 for two observations of the same shape; 0 for equal ones."""
 
@@ -25,12 +27,20 @@ def mean_squared_error(first: np.ndarray, second: np.ndarray) -> float:
 
     Raises
     ------
-    ValueError
-        If the shapes differ.
+    ArgumentError
+        If the shapes differ, or if an observation is not an array of numbers.
     """
+    for observation in (first, second):
+        if not isinstance(observation, np.ndarray) or observation.dtype.kind not in "biuf":
+            kind = getattr(observation, "dtype", type(observation).__name__)
+            raise ArgumentError(
+                f"observation: expected an array of numbers, got {kind}; let observe() return one "
+                "array, or give a distance of your own"
+            )
     if first.shape != second.shape:
-        raise ValueError(
-            f"observations of different shapes cannot be compared: {first.shape} and {second.shape}"
+        raise ArgumentError(
+            f"observation: two of different shapes cannot be compared, {first.shape} and "
+            f"{second.shape}; let observe() return arrays of one shape"
         )
     difference = first.astype(np.float64) - second.astype(np.float64)
     return float(np.mean(difference * difference))

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..seeding import generator
 from .distances import Distance, mean_squared_error
-from .sequences import compose, no_op, permute, sample_sequence
+from .sequences import check_sequence, compose, no_op, permute, sample_sequence
 from .world import EventReporter, Observation, Snapshot, World, play
 
 REST_STEPS = 3
@@ -57,7 +57,13 @@ def play_order(
     sequence : float (steps, n_dofs), in [-1, 1]
     rest_steps : int
         Steps without a command at the end.
+
+    Raises
+    ------
+    ArgumentError
+        If `sequence` has another shape or holds values outside [-1, 1].
     """
+    check_sequence(sequence, len(world.dofs))
     world.restore(start)
     play(world, compose(sequence, no_op(rest_steps, sequence.shape[1])))
 
@@ -66,6 +72,7 @@ def iterate_order(
     world: World, start: Snapshot, sequence: np.ndarray, rest_steps: int = REST_STEPS
 ) -> Iterator[Observation]:
     """As :func:`play_order`, step by step: observations at the start and after every step."""
+    check_sequence(sequence, len(world.dofs))
     world.restore(start)
     yield world.observe()
     for action in compose(sequence, no_op(rest_steps, sequence.shape[1])):

@@ -37,7 +37,10 @@ class Corridor:
         Cell of the box at the start. There is no box by default.
     """
 
-    dofs = (Dof("move", "cells", 1.0), Dof("eyelid", "1", 0.25, displaces=False))
+    dofs: tuple[Dof, ...] = (
+        Dof("move", "cells", 1.0),
+        Dof("eyelid", "1", 0.25, displaces=False),
+    )
 
     def __init__(self, wall: int | None = None, box: int | None = None):
         self._last_cell = np.inf if wall is None else wall

@@ -21,12 +21,6 @@ if TYPE_CHECKING:
     from ...worlds.apartment.scenes.scene import Scene
     from ...worlds.apartment.world import ApartmentWorld
 
-FLOOR_EXTENT = 30.0
-"""Metres from the centre of an empty floor to its visible edge; it has no physical one. Chosen:
-from a camera 1.3 m above the floor, the edge is less than three of 128 pixels below the horizon."""
-START_EXTENT = 2.0
-"""Metres from the centre of an empty floor within which a robot starts, along x and y. Chosen: the
-size of a large room."""
 CHECKED_SITUATIONS = 3
 """Start situations that are drawn of every robot, scene and start to check a configuration.
 Chosen: a second each."""
@@ -39,19 +33,9 @@ def experiment_runs(config: Config) -> dict[str, ApartmentRun]:
     }
 
 
-def empty_floor(name: str) -> Scene:
-    """An endless floor with nothing on it, tiled, so that camera images show where the robot is."""
-    from ...worlds.apartment import geometry
-    from ...worlds.apartment.scenes.scene import Area, Fixture, Part, Scene
-
-    mesh = geometry.transform(geometry.box((FLOOR_EXTENT, FLOOR_EXTENT, 0.01)), (0.0, 0.0, -0.01))
-    floor = Fixture("floor", (Part(mesh, (0.8, 0.75, 0.7), "checker"),), ())
-    extent = -START_EXTENT, START_EXTENT
-    return Scene(name, (floor,), (), (Area("floor", extent, extent),))
-
-
 def build_scene(settings: ApartmentConfig, scene: str) -> Scene:
     """The scene apartment.scenes.`scene`, an empty floor if it has no file. Raises SceneError."""
+    from ...worlds.apartment.scenes.empty import empty_floor
     from ...worlds.apartment.scenes.scenefile import load_scene
 
     file = settings.scenes[scene].file

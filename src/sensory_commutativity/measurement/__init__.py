@@ -1,0 +1,1 @@
+"""Measuring the SCP of every degree of freedom of a world, in one call."""

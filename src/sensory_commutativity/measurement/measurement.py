@@ -1,0 +1,244 @@
+"""The result of a measurement: distances, SCPs, their order, a figure, and a file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from ..errors import ArgumentError, TableError
+from ..scp.estimate import estimate_scp
+from ..scp.world import Dof
+from ..storage.columns import FLOAT, INT, TEXT, Column
+from ..storage.provenance import environment
+from ..storage.tables import read_metadata, read_table, write_table
+from .arguments import check_thresholds
+from .order import DofOrder, order_dofs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+TABLE = "measurement"
+"""Name of the table in a file of :meth:`Measurement.save`."""
+COLUMNS = (
+    Column("experiment", INT, "1", "number of the start situation", key=True),
+    Column("dof", TEXT, "", "degree of freedom that acted", key=True),
+    Column("distance", FLOAT, "1", "distance of the two final observations"),
+)
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+"""Of the thresholds in a figure: colours that colour-blind readers can tell apart (Okabe and Ito
+2008, https://jfly.uni-koeln.de/color)."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a measurement's distances depend on.
+
+    Attributes
+    ----------
+    world : str
+        Name of the world.
+    length, rest_steps : int
+        Actions in a sequence, and steps without a command after it.
+    distance : str
+        Name of the distance.
+    seed : int
+    start_sha256 : str
+        SHA-256 of the first observation of the first experiment: tells worlds of one name apart.
+    """
+
+    world: str
+    length: int
+    rest_steps: int
+    distance: str
+    seed: int
+    start_sha256: str
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """The SCP of every degree of freedom of a world.
+
+    Attributes
+    ----------
+    distances : float64 (n, n_dofs)
+        Distance of the two final observations, one row per start, one column per degree of freedom.
+    dofs : tuple of Dof
+    thresholds : tuple of float
+        Largest distances that count as equal.
+    settings : Settings
+    provenance : mapping of str to str
+        Code, platform and packages that measured.
+    """
+
+    distances: np.ndarray
+    dofs: tuple[Dof, ...]
+    thresholds: tuple[float, ...]
+    settings: Settings
+    provenance: Mapping[str, str] = field(default_factory=environment)
+
+    def __len__(self) -> int:
+        """Number of start situations, n."""
+        return len(self.distances)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the degrees of freedom."""
+        return tuple(dof.name for dof in self.dofs)
+
+    @cached_property
+    def experiments(self) -> pd.DataFrame:
+        """One row per SC-experiment: experiment, dof, distance."""
+        n, n_dofs = self.distances.shape
+        return pd.DataFrame(
+            dict(
+                experiment=np.repeat(np.arange(n), n_dofs),
+                dof=np.tile(np.array(self.names, object), n),
+                distance=self.distances.ravel(),
+            )
+        )
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """One row per degree of freedom and threshold: dof, threshold, n, commuted, scp, ci_low,
+        ci_high (95 %, Wilson)."""
+        return estimate_scp(self.experiments, ["dof"], self.thresholds)
+
+    def with_thresholds(self, *thresholds: float) -> Measurement:
+        """Return the same experiments with other thresholds; nothing is played again."""
+        return replace(self, thresholds=check_thresholds(thresholds))
+
+    def scp(self, threshold: float | None = None) -> dict[str, float]:
+        """SCP of each degree of freedom, at the first threshold by default."""
+        order = self.order(threshold).table.set_index("dof")["scp"]
+        return {name: float(order[name]) for name in self.names}
+
+    def order(self, threshold: float | None = None, alpha: float = 0.05) -> DofOrder:
+        """Order the degrees of freedom from lowest to highest SCP.
+
+        Parameters
+        ----------
+        threshold : float, optional
+            By default the first of `thresholds`.
+        alpha : float in (0, 1)
+            Level at which two degrees of freedom count as different.
+        """
+        if threshold is None:
+            threshold = self.thresholds[0]
+        (threshold,) = check_thresholds(threshold)
+        if not 0 < alpha < 1:
+            raise ArgumentError(f"alpha: expected a number between 0 and 1, got {alpha!r}")
+        return order_dofs(self.distances, self.names, threshold, alpha)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the SCP of every degree of freedom with its 95 % interval, lowest at the top.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            By default a new figure.
+        """
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            height = 1.4 + 0.3 * len(self.dofs)
+            _, ax = plt.subplots(figsize=(6.4, height), layout="constrained")
+        order = {name: i for i, name in enumerate(self.order().dofs)}
+        spread = 0.18 if len(self.thresholds) > 1 else 0.0
+        offsets = np.linspace(-spread, spread, len(self.thresholds))
+        for k, (threshold, rows) in enumerate(self.table.groupby("threshold", sort=False)):
+            y = rows["dof"].map(order).to_numpy() + offsets[k]
+            errors = [rows["scp"] - rows["ci_low"], rows["ci_high"] - rows["scp"]]
+            ax.errorbar(
+                rows["scp"], y, xerr=errors, fmt="o", markersize=4, capsize=2,
+                color=COLOURS[k % len(COLOURS)], label=f"threshold {threshold:g}",
+            )  # fmt: skip
+        ax.set_yticks(range(len(order)), list(order))
+        ax.set_ylim(len(order) - 0.5, -0.5)
+        ax.set_xlim(-0.03, 1.03)
+        ax.grid(axis="x", alpha=0.3)
+        ax.set_xlabel("SCP (95 % interval)")
+        ax.set_title(f"{self.settings.world}: n = {len(self):,} starts", fontsize="medium")
+        if len(self.thresholds) > 1:
+            ax.legend(fontsize="small")
+        return ax
+
+    def save(self, path: str | Path) -> Path:
+        """Write a Parquet file: the experiments as a table, all else in its metadata."""
+        path = Path(path)
+        contents = dict(
+            settings=asdict(self.settings),
+            thresholds=list(self.thresholds),
+            dofs=[asdict(dof) for dof in self.dofs],
+        )
+        metadata = {TABLE: json.dumps(contents), **self.provenance}
+        write_table(path, TABLE, COLUMNS, self.experiments, metadata)
+        return path
+
+    @classmethod
+    def load(cls, path: str | Path) -> Measurement:
+        """Read a file of :meth:`save`.
+
+        Raises
+        ------
+        TableError
+            If the file is missing, damaged, incomplete, or something else.
+        """
+        path = Path(path)
+        frame, metadata = read_table(path, TABLE, COLUMNS), read_metadata(path)
+        try:
+            contents = json.loads(metadata.pop(TABLE))
+            dofs = tuple(Dof(**dof) for dof in contents["dofs"])
+            settings = Settings(**contents["settings"])
+            thresholds = check_thresholds(contents["thresholds"])
+        except (KeyError, TypeError, ValueError):
+            raise TableError(
+                f"{path}: its metadata do not describe a measurement; measure again"
+            ) from None
+        n, names = len(frame) // max(len(dofs), 1), [dof.name for dof in dofs]
+        complete = len(frame) == n * len(dofs) and (
+            frame["dof"].tolist() == names * n
+            and frame["experiment"].tolist() == np.repeat(np.arange(n), len(dofs)).tolist()
+        )
+        if not complete or frame["distance"].isna().any():
+            raise TableError(f"{path}: experiments are missing or out of order; measure again")
+        metadata.pop("table", None)
+        distances = frame["distance"].to_numpy().reshape(n, len(dofs))
+        return cls(distances, dofs, thresholds, settings, metadata)
+
+    def __str__(self) -> str:
+        settings = self.settings
+        lines = [
+            f"SCP of {settings.world}: {len(self):,} starts, sequences of {settings.length} "
+            f"actions, distance {settings.distance}, seed {settings.seed}"
+        ]
+        width = max(map(len, self.names))
+        thresholds = len(self.thresholds) > 1
+        head = f"{'':{width}}  {'threshold':>9}" if thresholds else f"{'':{width}}"
+        lines.append(f"{head}  {'SCP':>5}  95 % interval")
+        for row in self.table.itertuples():
+            threshold = f"  {row.threshold:>9g}" if thresholds else ""
+            interval = f"[{row.ci_low:.3f}, {row.ci_high:.3f}]"
+            lines.append(f"{row.dof:{width}}{threshold}  {row.scp:5.3f}  {interval}")
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """The table, for notebooks."""
+        head = str(self).splitlines()[0]
+        return f"<p>{head}</p>{self.table.to_html(index=False, float_format='%.3f')}"
+
+
+def same_measurement(found: Measurement, settings: Settings, names: Sequence[str]) -> str:
+    """What differs between a kept measurement and the one asked for; empty if nothing does."""
+    asked: dict[str, Any] = {**asdict(settings), "dofs": tuple(names)}
+    kept: dict[str, Any] = {**asdict(found.settings), "dofs": found.names}
+    different = [key for key, value in asked.items() if kept[key] != value]
+    return ", ".join(f"{key} {kept[key]} (now {asked[key]})" for key in different)

@@ -1,0 +1,122 @@
+"""Running experiments in this process or in several, in any order; the distances are the same."""
+
+from __future__ import annotations
+
+import multiprocessing
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import UserError
+from ..scp.distances import Distance
+from ..scp.experiment import distances_per_dof
+from ..scp.world import World
+from ..seeding import seed_for
+
+CHUNKS_PER_WORKER = 64
+"""Chunks into which the experiments of a worker are cut, so that all end at about the same time.
+Chosen."""
+LARGEST_CHUNK = 50
+"""Experiments that a chunk has at most, so that progress is seen and little is lost. Chosen."""
+
+
+class Protocol(NamedTuple):
+    """How an experiment is played.
+
+    Attributes
+    ----------
+    seed : int
+        Root seed; experiment i has a seed of its own, whatever the others are.
+    length : int
+        Actions in a sequence.
+    rest_steps : int
+    distance : callable
+    """
+
+    seed: int
+    length: int
+    rest_steps: int
+    distance: Distance
+
+
+def experiment_seed(seed: int, i: int) -> int:
+    """Seed of experiment `i`."""
+    return seed_for(seed, "experiment", i)
+
+
+def play_experiments(
+    world: World, protocol: Protocol, experiments: Sequence[int]
+) -> Iterator[tuple[int, list[float]]]:
+    """Yield the number of each experiment and its distances, one per degree of freedom."""
+    for i in experiments:
+        seed = experiment_seed(protocol.seed, i)
+        distances = distances_per_dof(
+            world, seed, protocol.length, protocol.distance, protocol.rest_steps
+        )
+        yield i, list(distances.values())
+
+
+def play_in_parallel(
+    make_world: Callable[[], World],
+    protocol: Protocol,
+    experiments: Sequence[int],
+    workers: int,
+) -> Iterator[tuple[int, list[float]]]:
+    """As :func:`play_experiments`, in `workers` processes, in the order in which they end.
+
+    Where the platform can fork, each process starts with a copy of the parent's memory, so that
+    worlds need not be picklable; elsewhere `make_world` is pickled.
+
+    Raises
+    ------
+    UserError
+        If a process was killed, or if `make_world` cannot be pickled where it must be.
+    """
+    can_fork = "fork" in multiprocessing.get_all_start_methods()
+    context = multiprocessing.get_context("fork" if can_fork else "spawn")
+    size = min(max(len(experiments) // (CHUNKS_PER_WORKER * workers), 1), LARGEST_CHUNK)
+    chunks = [experiments[i : i + size] for i in range(0, len(experiments), size)]
+    pool = ProcessPoolExecutor(workers, context, _start_worker, (make_world, protocol))
+    try:
+        waiting = {pool.submit(_play_chunk, chunk) for chunk in chunks}
+        while waiting:
+            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield from future.result()
+    except BrokenProcessPool:
+        raise UserError(
+            "workers: a process was killed, perhaps for want of memory; measure with fewer workers"
+        ) from None
+    except (AttributeError, TypeError) as error:
+        if "pickle" not in str(error):
+            raise
+        raise UserError(
+            f"workers: the world cannot be sent to another process ({error}); give a function at "
+            "the top level of a module that returns the world, or workers=1"
+        ) from None
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+_worker: tuple[World, Protocol]
+"""World and protocol of this process, if it is a worker."""
+
+
+def _start_worker(make_world: Callable[[], Any], protocol: Protocol) -> None:
+    global _worker
+    if "torch" in sys.modules:  # threads do not survive a fork
+        sys.modules["torch"].set_num_threads(1)
+    _worker = make_world(), protocol
+
+
+def _play_chunk(experiments: Sequence[int]) -> list[tuple[int, list[float]]]:
+    return list(play_experiments(*_worker, experiments))
+
+
+def missing_experiments(distances: np.ndarray) -> list[int]:
+    """Rows of `distances`, float (n, n_dofs), that hold no result yet (NaN)."""
+    return np.flatnonzero(np.isnan(distances).any(axis=1)).tolist()

@@ -1,0 +1,103 @@
+"""Gymnasium environments as worlds."""
+
+from __future__ import annotations
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium import spaces
+
+from sensory_commutativity import (
+    ArgumentError,
+    Corridor,
+    FlatlandWorld,
+    as_world,
+    check_world,
+    from_gymnasium,
+    measure,
+)
+from sensory_commutativity.worlds.flatland.environment import ENVIRONMENT_ID
+
+
+class Reach(gym.Env):
+    """A point that is moved; the second element of an action has a one-sided range."""
+
+    observation_space = spaces.Dict(
+        {"point": spaces.Box(-np.inf, np.inf, (2,)), "lamp": spaces.Discrete(2)}
+    )
+    action_space = spaces.Box(np.array([-2.0, 0.0]), np.array([4.0, 1.0]))
+    ends_after = 10_000
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.point, self.steps = self.np_random.integers(-5, 5, 2).astype(float), 0
+        return self.observation(), {}
+
+    def step(self, action):
+        assert self.action_space.contains(action)
+        self.point += action
+        self.steps += 1
+        return self.observation(), 0.0, self.steps >= self.ends_after, False, {}
+
+    def observation(self):
+        return {"point": self.point.copy(), "lamp": 1}
+
+
+def test_environments_keep_the_promises_of_a_world() -> None:
+    for env in (Reach(), gym.make("Pendulum-v1", max_episode_steps=1000)):
+        report = check_world(from_gymnasium(env))
+        assert report.passed, str(report)
+
+
+def test_the_adapter_measures_what_the_world_itself_does() -> None:
+    env = gym.make(ENVIRONMENT_ID)
+    assert check_world(as_world(env), tries=3).passed
+    table = measure(env, n=3, length=5).table
+    assert len(table) == len(FlatlandWorld().dofs)
+
+
+def test_actions_reach_the_ends_of_their_range_and_zero_commands_zero() -> None:
+    world = from_gymnasium(Reach(), sensors=["point"])
+    world.reset(np.random.default_rng(0))
+    start = world.observe()
+    assert start.shape == (2,)
+    moved = []
+    for action in ([1, 1], [-1, -1], [0, 0], [9, 0.5]):
+        before = world.observe()
+        world.step(np.array(action, float))
+        moved.append((world.observe() - before).tolist())
+    assert moved == [[4, 1], [-2, 0], [0, 0], [4, 0.5]]
+
+
+def test_an_episode_that_ends_stays_at_its_last_observation() -> None:
+    env = Reach()
+    env.ends_after = 2
+    world = from_gymnasium(env)
+    world.reset(np.random.default_rng(0))
+    start = world.snapshot()
+    for _ in range(2):
+        world.step(np.ones(2))
+    ended = world.observe()
+    world.step(np.ones(2))
+    assert world.happened() and np.array_equal(world.observe(), ended)
+    world.restore(start)
+    assert not world.happened()
+
+
+def test_environments_that_cannot_be_measured_are_refused() -> None:
+    with pytest.raises(ArgumentError, match=r"env: CartPole-v1 has actions in Discrete"):
+        measure(gym.make("CartPole-v1"))
+    env = Reach()
+    env.action_space = spaces.Box(-np.inf, np.inf, (2,))
+    with pytest.raises(ArgumentError, match=r"env: Reach has unbounded actions"):
+        from_gymnasium(env)
+    with pytest.raises(ArgumentError, match=r"sensors: Reach has no 'lidar'; choose from "):
+        from_gymnasium(Reach(), sensors=["lidar"])
+    with pytest.raises(ArgumentError, match=r"max_episode_steps"):
+        measure(gym.make("Pendulum-v1", max_episode_steps=6), n=2, length=30)
+
+
+def test_as_world_takes_worlds_and_functions() -> None:
+    world = Corridor()
+    assert as_world(world) is world
+    assert isinstance(as_world(lambda: Corridor()), Corridor)
