@@ -11,8 +11,8 @@ EXTRAS = {
     "flatland": ("numba", "pymunk", "gymnasium"),
     "apartment": ("pybullet", "trimesh", "fast_simplification", "gymnasium_robotics"),
     "change-detection": ("torch", "torchvision", "h5py", "onnx"),
-    "navigation": ("stable_baselines3", "sb3_contrib", "statsmodels"),
-    "workflow": ("snakemake", "rocrate"),
+    "navigation": ("stable_baselines3", "sb3_contrib"),
+    "workflow": ("snakemake", "rocrate", "scipy", "statsmodels"),
 }
 """Extra -> the modules that it adds to those before it; as in pyproject.toml."""
 

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ..scp.estimate import commutes
+from ..statistics.paired import holm, mcnemar
 from ..statistics.proportions import wilson_interval
 
 
@@ -83,8 +84,6 @@ def order_dofs(
     threshold : float
     alpha : float in (0, 1)
     """
-    from ..statistics.paired import holm, mcnemar  # imports scipy.stats
-
     commuted = commutes(distances, threshold)
     n, counts = len(commuted), commuted.sum(axis=0)
     order = np.argsort(counts, kind="stable")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
 
 
 class McNemar(NamedTuple):
@@ -31,8 +30,23 @@ def mcnemar(a: np.ndarray, b: np.ndarray) -> McNemar:
         )
     only_a, only_b = int((a & ~b).sum()), int((b & ~a).sum())
     discordant = only_a + only_b
-    p = float(stats.binomtest(only_a, discordant).pvalue) if discordant else 1.0
+    p = sign_test(only_a, discordant)
     return McNemar(only_a, only_b, (only_a - only_b) / a.size, p)
+
+
+def sign_test(successes: int, n: int) -> float:
+    """Exact two-sided p-value of `successes` in `n` trials of probability one half.
+
+    Binomial coefficients are summed as whole numbers; the only rounding is that of the result.
+    """
+    fewer = min(successes, n - successes)
+    if 2 * fewer == n:
+        return 1.0
+    term = total = 1  # n over 0
+    for k in range(fewer):
+        term = term * (n - k) // (k + 1)
+        total += term
+    return 2 * total / 2**n
 
 
 def paired_difference_interval(
@@ -43,6 +57,8 @@ def paired_difference_interval(
     Agresti and Min 2005, https://doi.org/10.1002/sim.1781: Wald's interval after half a pair is
     added to each of the four cells.
     """
+    from scipy import stats  # takes half a second, and measure() needs mcnemar alone
+
     z = float(stats.norm.ppf(0.5 + confidence / 2))
     a, b, total = only_a + 0.5, only_b + 0.5, n + 2
     difference = (a - b) / total
@@ -68,6 +84,8 @@ def paired_means(difference: np.ndarray, confidence: float = 0.95) -> tuple[floa
         many of them had the other sign as the Clopper-Pearson interval of 0 in n allows. If all
         are 0, the interval is [0, 0] and p is 1.
     """
+    from scipy import stats
+
     mean, n = float(difference.mean()), len(difference)
     if np.ptp(difference) == 0:
         if mean == 0:

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.stats import norm
-from statsmodels.stats.contingency_tables import StratifiedTable
 
 
 class Trend(NamedTuple):
@@ -59,6 +58,8 @@ def mantel_haenszel(
     Successes and trials are int (k,). Strata without both outcomes carry no information and are
     dropped; the odds ratio and p are 1 if none is left.
     """
+    from statsmodels.stats.contingency_tables import StratifiedTable  # takes a second to import
+
     outcomes_a = [successes_a, np.subtract(n_a, successes_a)]
     outcomes_b = [successes_b, np.subtract(n_b, successes_b)]
     tables = np.array([outcomes_a, outcomes_b], float)  # (2, 2, k)
