@@ -17,14 +17,14 @@ export PATH := $(CURDIR)/$(BIN):$(PATH)
 all: default
 
 default: $(READY)  ## run the default profile: figures and report in minutes
-	$(BIN)/sensory-commutativity config check config/default.yaml
+	$(BIN)/sensory-commutativity config check config/config.yaml
 	@$(UNLOCK)
 	$(SNAKEMAKE)
 	$(SNAKEMAKE) --report results/default/report.html
 	@echo "figures: results/default/figures; report: results/default/report.html"
 
 paper: $(READY)  ## run the paper's sizes (committed under results/paper)
-	$(BIN)/sensory-commutativity config check config/default.yaml config/paper.yaml
+	$(BIN)/sensory-commutativity config check config/config.yaml config/paper.yaml
 	@test -d results/paper/data || rm -rf results/paper  # the committed run, without its raw data, would look finished; git brings it back
 	@$(UNLOCK)
 	$(SNAKEMAKE) --configfile config/paper.yaml

@@ -9,7 +9,7 @@ from snakemake.utils import min_version
 min_version("9.0")
 
 
-configfile: "config/default.yaml"
+configfile: "config/config.yaml"
 
 
 include: "workflow/rules/common.smk"

@@ -79,7 +79,7 @@ def resets() -> float:
 
 def flatland_experiments() -> float:
     """SC-experiments of 50 actions per second, start situations and distances included."""
-    config = load("config/default.yaml")
+    config = load("config/config.yaml")
     run = config.flatland.runs()[0]
     start = time.perf_counter()
     world = flatland_world(config.flatland, run.world, run.agent)
@@ -97,7 +97,7 @@ def training_steps() -> float:
     from sensory_commutativity.studies.navigation.builders import training_run
 
     torch.set_num_threads(1)
-    config = load("config/default.yaml")
+    config = load("config/config.yaml")
     scales = {dof.name: 1.0 for dof in Polyphemus().dofs}
     learner = learner_of_run(training_run(config, "full", 1000, scales))
     assert learner.env is not None
@@ -119,7 +119,7 @@ def _apartment() -> tuple[Any, ...]:
     )
 
     torch.set_num_threads(1)
-    config = load("config/default.yaml")
+    config = load("config/config.yaml")
     world = build_run_world(config, config.apartment.runs()[0])
     return config, world, perceptual_features(config), count()
 

@@ -77,7 +77,7 @@ def main() -> None:
     )
     parser.add_argument("--robot", default="fetch", help="a key of apartment.robots")
     arguments = parser.parse_args()
-    config = load("config/default.yaml")
+    config = load("config/config.yaml")
     run = next(
         run
         for run in config.apartment.runs()

@@ -112,7 +112,7 @@ def measure_scaling(name: str) -> None:
             results = Path("results/scaling")
             shards = results / "data" / study.table
             files = [f"{shards}/{study.run}.{i + 1}-of-{JOBS}.parquet" for i in range(JOBS)]
-            options = ["--configfile", "config/default.yaml", "layer.yaml", "--cores", str(cores)]
+            options = ["--configfile", "config/config.yaml", "layer.yaml", "--cores", str(cores)]
             if study.before:
                 snakemake(folder, *options, *(str(results / file) for file in study.before))
             seconds[cores] = snakemake(folder, *options, *files)

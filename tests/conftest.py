@@ -7,11 +7,10 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # as in the workflow; read when torch is imported
 
 import pytest
-import yaml
 from hypothesis import settings
 
 from sensory_commutativity.studies.config import Config
-from sensory_commutativity.studies.loading import load, validate
+from sensory_commutativity.studies.loading import load, read_settings, write_resolved
 from tests.helpers import DEFAULT, update_flatland
 
 settings.register_profile("repeatable", max_examples=50, deadline=None, derandomize=True)
@@ -42,8 +41,8 @@ def default_config() -> Config:
 
 @pytest.fixture
 def default_settings() -> dict:
-    """The contents of config/default.yaml, which a test may change."""
-    return yaml.safe_load(DEFAULT.read_text())
+    """The contents of config/config.yaml, which a test may change."""
+    return read_settings(DEFAULT)
 
 
 @pytest.fixture(scope="session")
@@ -67,6 +66,6 @@ def tiny_config(default_config: Config) -> Config:
 @pytest.fixture(scope="session")
 def tiny_config_file(tiny_config: Config, tmp_path_factory) -> str:
     file = tmp_path_factory.mktemp("config") / "tiny.yaml"
-    file.write_text(yaml.safe_dump(tiny_config.model_dump(mode="json")))
-    assert validate(yaml.safe_load(file.read_text())) == tiny_config
+    write_resolved(tiny_config, file)
+    assert load(file) == tiny_config
     return str(file)

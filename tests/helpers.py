@@ -20,7 +20,7 @@ from sensory_commutativity.worlds.flatland.room import FIXED, MAX_CORNERS, Room,
 from sensory_commutativity.worlds.flatland.world import FlatlandWorld
 
 ROOT = Path(__file__).resolve().parents[1]
-DEFAULT = ROOT / "config" / "default.yaml"
+DEFAULT = ROOT / "config" / "config.yaml"
 
 DOFS = [dof.name for dof in Polyphemus().dofs]
 FREE_SPACE = Room(objects=0, walls=False)
@@ -30,11 +30,11 @@ _config = load(DEFAULT).flatland
 _pairs = [(run.world, run.agent) for run in _config.runs()]
 _pairs += [(world, _config.reference.agent) for world in _config.commutation_worlds()]
 FLATLAND_PAIRS = list(dict.fromkeys(_pairs))
-"""Every (world, agent) that config/default.yaml uses."""
+"""Every (world, agent) that config/config.yaml uses."""
 
 
 def make_flatland(pair: tuple[str, str]) -> FlatlandWorld:
-    """Build the world of a (world, agent) of config/default.yaml."""
+    """Build the world of a (world, agent) of config/config.yaml."""
     return flatland_world(_config, *pair)
 
 

@@ -1,4 +1,4 @@
-"""The promises of every world, tested on every world and agent of config/default.yaml."""
+"""The promises of every world, tested on every world and agent of config/config.yaml."""
 
 from __future__ import annotations
 

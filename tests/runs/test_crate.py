@@ -77,7 +77,7 @@ def test_every_described_file_is_included(crate, unpacked):
 
 
 def test_the_workflow_is_included_without_raw_data_and_generated_files(unpacked):
-    for name in ("workflow/rules/common.smk", "config/default.yaml"):
+    for name in ("workflow/rules/common.smk", "config/config.yaml"):
         assert (unpacked / name).is_file(), name
     assert not list(unpacked.rglob("*.pyc"))
     assert not list((unpacked / "results").rglob("data"))

@@ -11,5 +11,5 @@ from tests.helpers import DEFAULT, ROOT
 
 @pytest.fixture(scope="session")
 def small_config() -> Config:
-    """config/default.yaml with config/test.yaml over it."""
+    """config/config.yaml with config/test.yaml over it."""
     return load(DEFAULT, ROOT / "config" / "test.yaml")

@@ -53,7 +53,7 @@ def test_declarations_of_figures_import_no_simulation_and_no_network():
 # ---- captions ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("profile", ["default", "paper", "test"])
+@pytest.mark.parametrize("profile", ["config", "paper", "test"])
 def test_captions_are_valid_with_the_settings_of_every_profile(profile):
     """Snakemake renders them with the configuration as it is written, without default values."""
     settings = yaml.safe_load(DEFAULT.read_text())

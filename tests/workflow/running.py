@@ -60,7 +60,7 @@ def dry_run(folder: Path, layer: str | Path, *arguments: str) -> subprocess.Comp
 def slurm_command(*arguments: str, targets: Iterable[Path] = ()) -> list[str]:
     """Snakemake with the profile for Slurm, adapted to two small nodes without accounting."""
     return [
-        str(BIN / "snakemake"), "--profile", "workflow/profiles/slurm",
+        str(BIN / "snakemake"), "--profile", "profiles/slurm",
         "--configfile", "config/test.yaml", "--local-cores", "2", "--latency-wait", "15",
         "--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "2",
         "--seconds-between-status-checks", "2", "--default-resources", "slurm_partition=short",

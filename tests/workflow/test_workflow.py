@@ -23,7 +23,7 @@ RESULTS = Path("results", "test")
 
 
 def load_config(folder: Path) -> Config:
-    return load(folder / "config" / "default.yaml", folder / "config" / "test.yaml")
+    return load(folder / "config" / "config.yaml", folder / "config" / "test.yaml")
 
 
 def test_rooms_that_are_too_small_are_refused_before_any_job(tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 # Three dimensions: SC-experiments of robots in apartments, SCP, hierarchy, stability of the order,
 # contacts.
-from sensory_commutativity.storage.hashing import digest
-from sensory_commutativity.studies.apartment.builders import start_settings
 
 
 rule apartment_ready:
@@ -18,11 +16,12 @@ rule apartment_ready:
         mem_mb=scale_with_attempt(2500),
         runtime=scale_with_attempt(10),
     params:
+        config=RESOLVED,
         settings=lambda w: digest(start_settings(CONFIG, w.robot, w.scene, w.start)),
     message:
         "fetching the VGG16 weights, once, and looking for start situations of {wildcards.robot} in {wildcards.scene} ({wildcards.start})"
     shell:
-        "sensory-commutativity config check-start --config {RESOLVED:q} --robot {wildcards.robot} --scene {wildcards.scene}"
+        "sensory-commutativity config check-start --config {params.config:q} --robot {wildcards.robot} --scene {wildcards.scene}"
         " --start {wildcards.start} --out {output:q} 2> {log:q}"
 
 
@@ -39,11 +38,12 @@ rule apartment_experiments_shard:
         mem_mb=scale_with_attempt(2500),
         runtime=scale_with_attempt(20),
     params:
+        config=RESOLVED,
         settings=shard_settings("apartment_experiments"),
     message:
         "SC-experiments in apartments: {wildcards.run}, part {wildcards.part}"
     shell:
-        "sensory-commutativity table apartment_experiments --shard {wildcards.run}.{wildcards.part} --config {RESOLVED:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity table apartment_experiments --shard {wildcards.run}.{wildcards.part} --config {params.config:q} --out {output:q} 2> {log:q}"
 
 
 rule apartment_experiments:
@@ -55,11 +55,12 @@ rule apartment_experiments:
         LOGS / "apartment_experiments.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("apartment_experiments"),
     message:
         "gathering the SC-experiments in apartments"
     shell:
-        "sensory-commutativity table apartment_experiments --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table apartment_experiments --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule apartment_scp:
@@ -70,11 +71,12 @@ rule apartment_scp:
     log:
         LOGS / "apartment_scp.log",
     params:
+        config=RESOLVED,
         settings=settings("apartment_scp"),
     message:
         "estimating the SCP of every degree of freedom"
     shell:
-        "sensory-commutativity table apartment_scp --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table apartment_scp --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule apartment_hierarchy:
@@ -85,11 +87,12 @@ rule apartment_hierarchy:
     log:
         LOGS / "apartment_hierarchy.log",
     params:
+        config=RESOLVED,
         settings=settings("apartment_hierarchy"),
     message:
         "comparing groups of degrees of freedom"
     shell:
-        "sensory-commutativity table apartment_hierarchy --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table apartment_hierarchy --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule apartment_order:
@@ -100,11 +103,12 @@ rule apartment_order:
     log:
         LOGS / "apartment_order.log",
     params:
+        config=RESOLVED,
         settings=settings("apartment_order"),
     message:
         "testing whether the order of the degrees of freedom is stable"
     shell:
-        "sensory-commutativity table apartment_order --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table apartment_order --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule apartment_interaction:
@@ -115,8 +119,9 @@ rule apartment_interaction:
     log:
         LOGS / "apartment_interaction.log",
     params:
+        config=RESOLVED,
         settings=settings("apartment_interaction"),
     message:
         "comparing the SCP with contacts"
     shell:
-        "sensory-commutativity table apartment_interaction --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table apartment_interaction --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"

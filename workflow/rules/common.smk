@@ -3,10 +3,18 @@
 import sys
 from pathlib import Path
 
-from sensory_commutativity.errors import ConfigError, UserError
+try:
+    from sensory_commutativity.errors import ConfigError, UserError
+except ModuleNotFoundError:
+    sys.exit(
+        "error: the package sensory-commutativity is not installed; run make in the repository, or "
+        "pip install 'sensory-commutativity[workflow]'"
+    )
 from sensory_commutativity.runs.checksums import MANIFEST
 from sensory_commutativity.storage.folders import lock_folder
+from sensory_commutativity.storage.hashing import digest
 from sensory_commutativity.storage.yamlfile import read_yaml
+from sensory_commutativity.studies.apartment.builders import start_settings
 from sensory_commutativity.studies.check import check_run
 from sensory_commutativity.studies.declarations import (
     Animation,
@@ -16,6 +24,7 @@ from sensory_commutativity.studies.declarations import (
     Table,
 )
 from sensory_commutativity.studies.loading import validate, write_resolved
+from sensory_commutativity.studies.paths import resolve_merged_paths
 from sensory_commutativity.studies.registry import (
     declarations,
     find,
@@ -24,13 +33,34 @@ from sensory_commutativity.studies.registry import (
     settings_digest,
 )
 
+PLANNING = {"-n", "--dry-run", "--dryrun", "--lint", "--summary", "--list", "--dag"}
+"""Options with which Snakemake writes no results, also beside a run that does."""
+
+
+def read_config():
+    """The settings that Snakemake merged, checked, with paths relative to the current folder."""
+    given = workflow.config_settings.configfiles  # these go over the Snakefile's own
+    own = [file for file in workflow.configfiles if file not in given]
+    files = [Path(file) for file in (*own, *given)]
+    layers = [  # Snakemake silently takes the last of two equal keys
+        read_yaml(file, ConfigError, "a config file, e.g. config/config.yaml")
+        for file in files
+    ]
+    folders = [file.parent for file in files]
+    return validate(
+        resolve_merged_paths(config, list(zip(layers, folders, strict=True)))
+    )
+
+
 try:
-    # Snakemake silently takes the last of two equal keys.
-    for file in workflow.configfiles:
-        read_yaml(file, ConfigError, "a config file, e.g. config/default.yaml")
-    CONFIG = validate(config)
+    CONFIG = read_config()
     if workflow.is_main_process:  # not again before every job of a cluster
         check_run(CONFIG)
+        if not PLANNING & set(sys.argv):
+            lock_folder(CONFIG.folder)
+            write_resolved(CONFIG, CONFIG.folder / "config.yaml")
+    elif workflow.remote_exec:  # on another machine, which may not see the file
+        write_resolved(CONFIG, CONFIG.folder / "config.yaml")
 except UserError as error:
     print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
     sys.exit(2)
@@ -43,6 +73,7 @@ FIGURES = RESULTS / "figures"
 LOGS = RESULTS / "logs"
 BENCHMARKS = RESULTS / "benchmarks"
 CHECKSUMS = RESULTS / MANIFEST
+MASKS = CONFIG.masks
 RESOLVED = RESULTS / "config.yaml"  # no rule's input: rules depend on their params
 
 
@@ -101,14 +132,34 @@ def scale_with_attempt(amount):
     return lambda wildcards, attempt: amount * attempt
 
 
-onstart:
-    try:
-        lock_folder(RESULTS)
-    except UserError as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(2)
-    write_resolved(CONFIG, Path(RESOLVED))
+def memory_of_pairs(n):
+    """MB of n pairs of each outcome, with masks and probabilities, held twice."""
+    return 2 * 3 * n * MASKS.image_size**2 * (2 * 3 + 2) // 1_000_000
 
 
-if workflow.remote_exec:  # a job on another machine, which may not see the file
-    write_resolved(CONFIG, Path(RESOLVED))
+def figures():
+    """Every figure as PNG and PDF, and every animation."""
+    drawn = [
+        RESULTS / figure.file().with_suffix(suffix)
+        for figure in declarations(Figure).values()
+        for suffix in (".png", ".pdf")
+    ]
+    for animation in declarations(Animation).values():
+        runs = animation.shards.all(CONFIG) if animation.shards else [None]
+        drawn += [RESULTS / animation.file(run) for run in runs]
+    return drawn
+
+
+def all_outputs():
+    """All shards, models, tables and arrays, so that a missing one is made again before it gets a
+    checksum."""
+    starts = {(run.robot, run.scene, run.start) for run in CONFIG.apartment.runs()}
+    found = [DATA / "apartment_ready" / f"{'.'.join(start)}.json" for start in starts]
+    for kind in (Table, Arrays, Model):
+        for name, product in declarations(kind).items():
+            if product.shards is not None:
+                found += shards(name)
+            whole = product.shards is None or isinstance(product, Table)
+            if whole and not getattr(product, "shards_only", False):
+                found.append(RESULTS / product.file())
+    return found

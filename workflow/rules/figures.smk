@@ -9,19 +9,6 @@ CATEGORIES = {
 }
 
 
-def figures():
-    """Every figure as PNG and PDF, and every animation."""
-    drawn = [
-        RESULTS / figure.file().with_suffix(suffix)
-        for figure in declarations(Figure).values()
-        for suffix in (".png", ".pdf")
-    ]
-    for animation in declarations(Animation).values():
-        runs = animation.shards.all(CONFIG) if animation.shards else [None]
-        drawn += [RESULTS / animation.file(run) for run in runs]
-    return drawn
-
-
 for name, figure in declarations(Figure).items():
 
     rule:
@@ -45,12 +32,13 @@ for name, figure in declarations(Figure).items():
             LOGS / "figure" / f"{name}.log",
         localrule: True
         params:
+            config=RESOLVED,
             figure=name,
             settings=settings(name, Figure),
         message:
             "drawing {params.figure}"
         shell:
-            "sensory-commutativity figure {params.figure} --config {RESOLVED:q} --out {output.png:q} {input:q} 2> {log:q}"
+            "sensory-commutativity figure {params.figure} --config {params.config:q} --out {output.png:q} {input:q} 2> {log:q}"
 
 
 rule flatland_experiment:
@@ -65,11 +53,12 @@ rule flatland_experiment:
         LOGS / "flatland_experiment.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("flatland_experiment"),
     message:
         "animating one SC-experiment"
     shell:
-        "sensory-commutativity animation flatland_experiment --config {RESOLVED:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity animation flatland_experiment --config {params.config:q} --out {output:q} 2> {log:q}"
 
 
 rule navigation_episode:
@@ -85,11 +74,12 @@ rule navigation_episode:
     log:
         LOGS / "navigation_episode" / "{run}.log",
     params:
+        config=RESOLVED,
         settings=settings("navigation_episode"),
     message:
         "animating an episode with the action space {wildcards.run}"
     shell:
-        "sensory-commutativity animation navigation_episode --run {wildcards.run} --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity animation navigation_episode --run {wildcards.run} --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule paper_comparison:
@@ -106,8 +96,9 @@ rule paper_comparison:
         LOGS / "paper_comparison.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("paper_comparison"),
     message:
         "comparing the paper's claims with what was measured"
     shell:
-        "sensory-commutativity table paper_comparison --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table paper_comparison --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"

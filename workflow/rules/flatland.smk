@@ -12,11 +12,12 @@ rule flatland_experiments_shard:
         mem_mb=scale_with_attempt(1000),
         runtime=scale_with_attempt(20),
     params:
+        config=RESOLVED,
         settings=shard_settings("flatland_experiments"),
     message:
         "SC-experiments in Flatland: {wildcards.run}, part {wildcards.part}"
     shell:
-        "sensory-commutativity table flatland_experiments --shard {wildcards.run}.{wildcards.part} --config {RESOLVED:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity table flatland_experiments --shard {wildcards.run}.{wildcards.part} --config {params.config:q} --out {output:q} 2> {log:q}"
 
 
 rule flatland_experiments:
@@ -28,11 +29,12 @@ rule flatland_experiments:
         LOGS / "flatland_experiments.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("flatland_experiments"),
     message:
         "gathering the SC-experiments in Flatland"
     shell:
-        "sensory-commutativity table flatland_experiments --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table flatland_experiments --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule flatland_scp:
@@ -43,11 +45,12 @@ rule flatland_scp:
     log:
         LOGS / "flatland_scp.log",
     params:
+        config=RESOLVED,
         settings=settings("flatland_scp"),
     message:
         "estimating the SCP of every degree of freedom"
     shell:
-        "sensory-commutativity table flatland_scp --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table flatland_scp --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule flatland_sensitivity:
@@ -58,11 +61,12 @@ rule flatland_sensitivity:
     log:
         LOGS / "flatland_sensitivity.log",
     params:
+        config=RESOLVED,
         settings=settings("flatland_sensitivity"),
     message:
         "estimating the SCP for all sequence lengths"
     shell:
-        "sensory-commutativity table flatland_sensitivity --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table flatland_sensitivity --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule flatland_comparisons:
@@ -73,11 +77,12 @@ rule flatland_comparisons:
     log:
         LOGS / "flatland_comparisons.log",
     params:
+        config=RESOLVED,
         settings=settings("flatland_comparisons"),
     message:
         "comparing degrees of freedom in pairs"
     shell:
-        "sensory-commutativity table flatland_comparisons --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table flatland_comparisons --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule flatland_trends:
@@ -88,11 +93,12 @@ rule flatland_trends:
     log:
         LOGS / "flatland_trends.log",
     params:
+        config=RESOLVED,
         settings=settings("flatland_trends"),
     message:
         "testing for trends with objects and arm length"
     shell:
-        "sensory-commutativity table flatland_trends --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table flatland_trends --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule flatland_commutation_experiments_shard:
@@ -106,11 +112,12 @@ rule flatland_commutation_experiments_shard:
         mem_mb=scale_with_attempt(1000),
         runtime=scale_with_attempt(60),
     params:
+        config=RESOLVED,
         settings=shard_settings("flatland_commutation_experiments"),
     message:
         "experiments on pairs of degrees of freedom in {wildcards.run}, part {wildcards.part}"
     shell:
-        "sensory-commutativity table flatland_commutation_experiments --shard {wildcards.run}.{wildcards.part} --config {RESOLVED:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity table flatland_commutation_experiments --shard {wildcards.run}.{wildcards.part} --config {params.config:q} --out {output:q} 2> {log:q}"
 
 
 rule flatland_commutation:
@@ -122,11 +129,12 @@ rule flatland_commutation:
         LOGS / "flatland_commutation.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("flatland_commutation"),
     message:
         "estimating which degrees of freedom commute"
     shell:
-        "sensory-commutativity table flatland_commutation --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table flatland_commutation --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule flatland_baselines_shard:
@@ -140,11 +148,12 @@ rule flatland_baselines_shard:
         mem_mb=scale_with_attempt(3000),
         runtime=scale_with_attempt(30),
     params:
+        config=RESOLVED,
         settings=shard_settings("flatland_baselines"),
     message:
         "naive change and prediction error of {wildcards.run}"
     shell:
-        "sensory-commutativity table flatland_baselines --shard {wildcards.run} --config {RESOLVED:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity table flatland_baselines --shard {wildcards.run} --config {params.config:q} --out {output:q} 2> {log:q}"
 
 
 rule flatland_baselines:
@@ -156,11 +165,12 @@ rule flatland_baselines:
         LOGS / "flatland_baselines.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("flatland_baselines"),
     message:
         "gathering the alternatives to the SCP"
     shell:
-        "sensory-commutativity table flatland_baselines --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table flatland_baselines --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule flatland_alternatives:
@@ -173,8 +183,9 @@ rule flatland_alternatives:
         LOGS / "flatland_alternatives.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("flatland_alternatives"),
     message:
         "correlating the alternatives with the SCP"
     shell:
-        "sensory-commutativity table flatland_alternatives --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table flatland_alternatives --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"

@@ -17,11 +17,12 @@ rule navigation_scp:
         LOGS / "navigation_scp.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("navigation_scp"),
     message:
         "estimating the SCP that the action spaces are made from"
     shell:
-        "sensory-commutativity table navigation_scp --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_scp --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_action_spaces:
@@ -33,11 +34,12 @@ rule navigation_action_spaces:
         LOGS / "navigation_action_spaces.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("navigation_action_spaces"),
     message:
         "making action spaces from the measured SCPs"
     shell:
-        "sensory-commutativity table navigation_action_spaces --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_action_spaces --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_policy:
@@ -54,11 +56,12 @@ rule navigation_policy:
         mem_mb=scale_with_attempt(2000),
         runtime=scale_with_attempt(40),
     params:
+        config=RESOLVED,
         settings=settings("navigation_policy"),
     message:
         "training with the action space and seed {wildcards.run}"
     shell:
-        "sensory-commutativity train navigation_policy --run {wildcards.run} --config {RESOLVED:q} --out {output.model:q}"
+        "sensory-commutativity train navigation_policy --run {wildcards.run} --config {params.config:q} --out {output.model:q}"
         " --curve {output.curve:q} {input:q} 2> {log:q}"
 
 
@@ -71,11 +74,12 @@ rule navigation_curves:
         LOGS / "navigation_curves.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("navigation_curves"),
     message:
         "gathering the learning curves of all runs"
     shell:
-        "sensory-commutativity table navigation_curves --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_curves --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_scores:
@@ -86,11 +90,12 @@ rule navigation_scores:
     log:
         LOGS / "navigation_scores.log",
     params:
+        config=RESOLVED,
         settings=settings("navigation_scores"),
     message:
         "scoring every training run"
     shell:
-        "sensory-commutativity table navigation_scores --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_scores --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_summary:
@@ -101,11 +106,12 @@ rule navigation_summary:
     log:
         LOGS / "navigation_summary.log",
     params:
+        config=RESOLVED,
         settings=settings("navigation_summary"),
     message:
         "summarizing every score"
     shell:
-        "sensory-commutativity table navigation_summary --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_summary --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_comparisons:
@@ -116,11 +122,12 @@ rule navigation_comparisons:
     log:
         LOGS / "navigation_comparisons.log",
     params:
+        config=RESOLVED,
         settings=settings("navigation_comparisons"),
     message:
         "comparing the action spaces in pairs"
     shell:
-        "sensory-commutativity table navigation_comparisons --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_comparisons --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_checkpoints:
@@ -131,11 +138,12 @@ rule navigation_checkpoints:
     log:
         LOGS / "navigation_checkpoints.log",
     params:
+        config=RESOLVED,
         settings=settings("navigation_checkpoints"),
     message:
         "comparing the action spaces at every checkpoint"
     shell:
-        "sensory-commutativity table navigation_checkpoints --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_checkpoints --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_survival:
@@ -146,11 +154,12 @@ rule navigation_survival:
     log:
         LOGS / "navigation_survival.log",
     params:
+        config=RESOLVED,
         settings=settings("navigation_survival"),
     message:
         "estimating Kaplan-Meier curves of the steps to the threshold"
     shell:
-        "sensory-commutativity table navigation_survival --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_survival --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_profiles:
@@ -161,11 +170,12 @@ rule navigation_profiles:
     log:
         LOGS / "navigation_profiles.log",
     params:
+        config=RESOLVED,
         settings=settings("navigation_profiles"),
     message:
         "computing performance profiles"
     shell:
-        "sensory-commutativity table navigation_profiles --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_profiles --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_power:
@@ -176,11 +186,12 @@ rule navigation_power:
     log:
         LOGS / "navigation_power.log",
     params:
+        config=RESOLVED,
         settings=settings("navigation_power"),
     message:
         "computing the power of the tests"
     shell:
-        "sensory-commutativity table navigation_power --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_power --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule navigation_calibration:
@@ -191,8 +202,9 @@ rule navigation_calibration:
     log:
         LOGS / "navigation_calibration.log",
     params:
+        config=RESOLVED,
         settings=settings("navigation_calibration"),
     message:
         "computing how often the tests err (A/A)"
     shell:
-        "sensory-commutativity table navigation_calibration --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table navigation_calibration --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"

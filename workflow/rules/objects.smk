@@ -1,11 +1,5 @@
 # Detecting what changed: pairs of pictures, models, SC-experiments to test them on, and the map of
 # immovable objects.
-MASKS = CONFIG.masks
-
-
-def memory_of_pairs(n):
-    """MB of n pairs of each outcome, with masks and probabilities, held twice."""
-    return 2 * 3 * n * MASKS.image_size**2 * (2 * 3 + 2) // 1_000_000
 
 
 rule mask_dof:
@@ -17,11 +11,12 @@ rule mask_dof:
         LOGS / "mask_dof.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("mask_dof"),
     message:
         "choosing the degree of freedom whose SCP is nearest one half"
     shell:
-        "sensory-commutativity table mask_dof --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table mask_dof --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_pairs_shard:
@@ -35,11 +30,12 @@ rule mask_pairs_shard:
         mem_mb=scale_with_attempt(1500),
         runtime=scale_with_attempt(15),
     params:
+        config=RESOLVED,
         settings=shard_settings("mask_pairs"),
     message:
         "pairs of pictures, {wildcards.run}, part {wildcards.part}"
     shell:
-        "sensory-commutativity arrays mask_pairs --shard {wildcards.run}.{wildcards.part} --config {RESOLVED:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity arrays mask_pairs --shard {wildcards.run}.{wildcards.part} --config {params.config:q} --out {output:q} 2> {log:q}"
 
 
 rule mask_training:
@@ -59,11 +55,12 @@ rule mask_training:
         ),
         runtime=scale_with_attempt(480),
     params:
+        config=RESOLVED,
         settings=settings("mask_training"),
     message:
         "training {wildcards.run} to find what changed"
     shell:
-        "sensory-commutativity train mask_training --run {wildcards.run} --config {RESOLVED:q} --out {output.predictor:q}"
+        "sensory-commutativity train mask_training --run {wildcards.run} --config {params.config:q} --out {output.predictor:q}"
         " --curve {output.curve:q} {input:q} 2> {log:q}"
 
 
@@ -76,11 +73,12 @@ rule mask_curves:
         LOGS / "mask_curves.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("mask_curves"),
     message:
         "gathering the training curves"
     shell:
-        "sensory-commutativity table mask_curves --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table mask_curves --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_regions_shard:
@@ -98,11 +96,12 @@ rule mask_regions_shard:
         ),
         runtime=scale_with_attempt(20),
     params:
+        config=RESOLVED,
         settings=shard_settings("mask_regions"),
     message:
         "regions that {wildcards.run} takes as changed, part {wildcards.part}"
     shell:
-        "sensory-commutativity arrays mask_regions --shard {wildcards.run}.{wildcards.part} --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity arrays mask_regions --shard {wildcards.run}.{wildcards.part} --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_predictor:
@@ -120,11 +119,12 @@ rule mask_predictor:
         ),
         runtime=scale_with_attempt(60),
     params:
+        config=RESOLVED,
         settings=settings("mask_predictor"),
     message:
         "training the view classifier of {wildcards.run} and tuning its decision thresholds"
     shell:
-        "sensory-commutativity train mask_predictor --run {wildcards.run} --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity train mask_predictor --run {wildcards.run} --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_tuples_shard:
@@ -140,11 +140,12 @@ rule mask_tuples_shard:
         mem_mb=scale_with_attempt(1500),
         runtime=scale_with_attempt(10),
     params:
+        config=RESOLVED,
         settings=shard_settings("mask_tuples"),
     message:
         "SC-experiments on objects, {wildcards.run}, part {wildcards.part}"
     shell:
-        "sensory-commutativity arrays mask_tuples --shard {wildcards.run}.{wildcards.part} --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity arrays mask_tuples --shard {wildcards.run}.{wildcards.part} --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_scores_shard:
@@ -160,11 +161,12 @@ rule mask_scores_shard:
         mem_mb=scale_with_attempt(2500),
         runtime=scale_with_attempt(60),
     params:
+        config=RESOLVED,
         settings=shard_settings("mask_scores"),
     message:
         "testing {wildcards.run}"
     shell:
-        "sensory-commutativity table mask_scores --shard {wildcards.run} --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table mask_scores --shard {wildcards.run} --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_scores:
@@ -176,11 +178,12 @@ rule mask_scores:
         LOGS / "mask_scores.log",
     localrule: True
     params:
+        config=RESOLVED,
         settings=settings("mask_scores"),
     message:
         "gathering the scores of all models"
     shell:
-        "sensory-commutativity table mask_scores --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table mask_scores --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_summary:
@@ -191,11 +194,12 @@ rule mask_summary:
     log:
         LOGS / "mask_summary.log",
     params:
+        config=RESOLVED,
         settings=settings("mask_summary"),
     message:
         "summarizing the scores of all models"
     shell:
-        "sensory-commutativity table mask_summary --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table mask_summary --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_comparisons:
@@ -206,11 +210,12 @@ rule mask_comparisons:
     log:
         LOGS / "mask_comparisons.log",
     params:
+        config=RESOLVED,
         settings=settings("mask_comparisons"),
     message:
         "comparing RAFT with the other models"
     shell:
-        "sensory-commutativity table mask_comparisons --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table mask_comparisons --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_alternatives:
@@ -227,11 +232,12 @@ rule mask_alternatives:
         mem_mb=scale_with_attempt(2500),
         runtime=scale_with_attempt(60),
     params:
+        config=RESOLVED,
         settings=settings("mask_alternatives"),
     message:
         "predicting SC-experiments and their alternatives"
     shell:
-        "sensory-commutativity table mask_alternatives --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table mask_alternatives --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_discoveries:
@@ -242,11 +248,12 @@ rule mask_discoveries:
     log:
         LOGS / "mask_discoveries.log",
     params:
+        config=RESOLVED,
         settings=settings("mask_discoveries"),
     message:
         "counting what SC-experiments and their alternatives discover"
     shell:
-        "sensory-commutativity table mask_discoveries --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table mask_discoveries --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule mask_examples:
@@ -263,11 +270,12 @@ rule mask_examples:
         mem_mb=scale_with_attempt(2500),
         runtime=scale_with_attempt(30),
     params:
+        config=RESOLVED,
         settings=settings("mask_examples"),
     message:
         "choosing pictures for the figures"
     shell:
-        "sensory-commutativity arrays mask_examples --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity arrays mask_examples --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule local_scp_experiments_shard:
@@ -281,11 +289,12 @@ rule local_scp_experiments_shard:
         mem_mb=scale_with_attempt(1500),
         runtime=scale_with_attempt(20),
     params:
+        config=RESOLVED,
         settings=shard_settings("local_scp_experiments"),
     message:
         "SC-experiments of the map, part {wildcards.part}"
     shell:
-        "sensory-commutativity arrays local_scp_experiments --shard {wildcards.run}.{wildcards.part} --config {RESOLVED:q} --out {output:q} 2> {log:q}"
+        "sensory-commutativity arrays local_scp_experiments --shard {wildcards.run}.{wildcards.part} --config {params.config:q} --out {output:q} 2> {log:q}"
 
 
 rule local_scp:
@@ -302,11 +311,12 @@ rule local_scp:
         mem_mb=scale_with_attempt(2500),
         runtime=scale_with_attempt(30),
     params:
+        config=RESOLVED,
         settings=settings("local_scp"),
     message:
         "estimating the local SCP at every pose"
     shell:
-        "sensory-commutativity table local_scp --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table local_scp --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
 rule local_scp_summary:
@@ -317,8 +327,9 @@ rule local_scp_summary:
     log:
         LOGS / "local_scp_summary.log",
     params:
+        config=RESOLVED,
         settings=settings("local_scp_summary"),
     message:
         "comparing the map with what is within reach"
     shell:
-        "sensory-commutativity table local_scp_summary --config {RESOLVED:q} --out {output:q} {input:q} 2> {log:q}"
+        "sensory-commutativity table local_scp_summary --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"

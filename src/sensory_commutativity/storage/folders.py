@@ -61,7 +61,7 @@ def lock_folder(folder: Path, remedy: str = "wait until it ends, or choose anoth
             file.seek(0)
             owner = file.read().strip() or "another process"
             file.close()
-            raise UserError(f"{folder}: {owner} is writing results there; {remedy}") from None
+            raise UserError(f"{folder}: locked by {owner}, which writes there; {remedy}") from None
         except OSError:  # a file system without locks
             file.close()
             path.unlink(missing_ok=True)

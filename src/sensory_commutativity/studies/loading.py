@@ -13,6 +13,7 @@ from ..errors import ConfigError
 from ..storage.settings_errors import check_json_value, explain
 from ..storage.yamlfile import read_yaml
 from .config import Config
+from .paths import relative_paths, resolve_paths
 
 
 def validate(settings: Any) -> Config:
@@ -44,26 +45,35 @@ def merge(base: dict[str, Any], overlay: dict[str, Any]) -> dict[str, Any]:
     return merged
 
 
-def load(*files: str | Path) -> Config:
-    """Read YAML files, merge each over the ones before, and check. Raises ConfigError."""
+def read_settings(*files: str | Path) -> dict[str, Any]:
+    """Read YAML files and merge each over the ones before.
+
+    Paths in a file are relative to it; in the result, to the current folder. Raises ConfigError.
+    """
     settings: dict[str, Any] = {}
     for file in files:
-        layer = read_yaml(file, ConfigError, "a config file, e.g. config/default.yaml")
+        layer = read_yaml(file, ConfigError, "a config file, e.g. config/config.yaml")
         if not isinstance(layer, dict):
             raise ConfigError(
                 f"{file}: expected a mapping of keys to values at the top; see config/README.md"
             )
-        settings = merge(settings, layer)
-    return validate(settings)
+        settings = merge(settings, resolve_paths(layer, Path(file).parent))
+    return settings
+
+
+def load(*files: str | Path) -> Config:
+    """Read YAML files, merge each over the ones before, and check. Raises ConfigError."""
+    return validate(read_settings(*files))
 
 
 def write_resolved(config: Config, path: Path) -> None:
     """Write all settings with every default filled in, as YAML.
 
-    A file that has the same content already is not touched.
+    Paths are relative to the file. A file that has the same content already is not touched.
     """
+    settings = relative_paths(config.model_dump(mode="json"), path.parent)
     head = "# Written by the workflow: all settings of this run, defaults filled in.\n"
-    text = head + yaml.safe_dump(config.model_dump(mode="json"), sort_keys=False)
+    text = head + yaml.safe_dump(settings, sort_keys=False)
     if path.exists() and path.read_text(encoding="utf-8") == text:
         return
     path.parent.mkdir(parents=True, exist_ok=True)
