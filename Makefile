@@ -50,14 +50,14 @@ coverage: $(READY)  ## branch coverage of all tests that do not run the workflow
 lint: $(READY)  ## check style, types and the layers of the package
 	$(BIN)/ruff check src tests benchmarks
 	$(BIN)/ruff format --check src tests benchmarks
-	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/snakefmt --check workflow
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
 format: $(READY)  ## rewrite code and workflow in that style
 	$(BIN)/ruff check --fix src tests benchmarks
 	$(BIN)/ruff format src tests benchmarks
-	$(BIN)/snakefmt Snakefile workflow
+	$(BIN)/snakefmt workflow
 
 schema: $(READY)  ## rewrite config/schema.json after a change to the models of the configuration
 	$(BIN)/sensory-commutativity config schema --out config/schema.json

@@ -72,8 +72,7 @@ for option, value in zip(sys.argv, sys.argv[1:]):
 
 def copy_workflow(folder: Path) -> Path:
     """Copy the workflow without results."""
-    shutil.copy(ROOT / "Snakefile", folder)
-    for name in ("workflow", "config"):
+    for name in ("workflow", "config", "profiles"):
         shutil.copytree(ROOT / name, folder / name)
     return folder
 

@@ -15,6 +15,7 @@ import pytest
 import yaml
 
 from sensory_commutativity import cli
+from sensory_commutativity.errors import UserError
 from sensory_commutativity.studies import runner
 from sensory_commutativity.studies.declarations import Animation, Arrays, Figure, Model, Table
 from sensory_commutativity.studies.flatland.tables.flatland_experiments import flatland_experiments
@@ -68,7 +69,10 @@ def walk(command: click.Command, path: tuple[str, ...] = ()) -> Iterator[tuple]:
     """All commands: their words, and the command."""
     yield path, command
     if isinstance(command, click.Group):
-        for name, child in command.commands.items():
+        context = click.Context(command)
+        for name in command.list_commands(context):
+            child = command.get_command(context, name)
+            assert child is not None
             yield from walk(child, (*path, name))
 
 
@@ -76,7 +80,8 @@ def walk(command: click.Command, path: tuple[str, ...] = ()) -> Iterator[tuple]:
 
 
 def test_every_command_explains_itself_within_80_columns(run):
-    assert set(cli.main.commands) == {*KINDS, "predict", "config", "run"}
+    people = {"measure", "check", "predict"}
+    assert set(cli.COMMANDS) == {*KINDS, *people, "config", "run"}
     for path, command in walk(cli.main):
         for flag in ("--help", "-h"):
             result = run(*path, flag)
@@ -109,6 +114,70 @@ def test_every_kind_lists_its_names_and_titles(run):
         assert names == expected
 
 
+def test_the_list_of_commands_says_what_their_help_says(run):
+    for name, (_, text) in cli.COMMANDS.items():
+        first = " ".join(run(name, "--help").out.split("\n\n")[1].split())
+        assert text.rstrip(".").split()[0] == first.split()[0], name
+
+
+# ---- measuring --------------------------------------------------------------------------------
+
+OWN_WORLD = """
+from sensory_commutativity import Corridor
+
+def corridor(wall=2):
+    return Corridor(wall)
+
+class Broken(Corridor):
+    def restore(self, snapshot):
+        pass
+"""
+
+
+def test_a_world_is_measured_saved_drawn_and_resumed(run, tmp_path):
+    command = ("measure", "corridor", "--length", "5", "--out", "scp.parquet", "--threshold", "0",
+               "--threshold", "2", "--plot", "scp.png")  # fmt: skip
+    first = run(*command, "-n", "30")
+    assert first.code == 0 and not first.err
+    assert first.out.startswith("SCP of Corridor: 30 starts")
+    assert "lowest to highest SCP" in first.out and "written: scp.parquet, scp.png" in first.out
+    assert (tmp_path / "scp.png").read_bytes().startswith(b"\x89PNG")
+    more = run(*command, "-n", "60")
+    alone = run("measure", "corridor", "--length", "5", "-n", "60", "--threshold", "0",
+                "--threshold", "2")  # fmt: skip
+    assert more.out.splitlines()[:5] == alone.out.splitlines()[:5]
+
+
+def test_worlds_of_one_s_own_are_measured_and_checked(run, tmp_path):
+    (tmp_path / "own.py").write_text(OWN_WORLD)
+    result = run("measure", "own.py:corridor", "-n", "10", "-o", "wall=3")
+    assert result.code == 0 and "SCP of Corridor: 10 starts" in result.out
+    assert run("check", "own.py:corridor").code == 0
+    broken = run("check", "own.py:Broken", "--tries", "3")
+    assert broken.code == 1 and "FAILED" in broken.out and "restore" in broken.out
+    assert "has no corider; did you mean corridor?" in run("measure", "own.py:corider").err
+    assert "boxes" in run("measure", "own.py:corridor", "-o", "boxes=3").err
+
+
+def test_environments_and_robots_are_measured(run):
+    assert "action-0" in run("measure", "Pendulum-v1", "-n", "2", "--length", "5").out
+    fetch = run("measure", "--robot", "fetch", "--scene", "free-space", "-n", "1", "--length", "2",
+                "-o", "image_size=32")  # fmt: skip
+    assert fetch.code == 0 and "shoulder-pan" in fetch.out
+    assert "worlds: corridor, flatland" in run("measure", "--list").out
+
+
+def test_verbose_shows_where_an_error_arose(run):
+    assert run("measure", "corridr").code == 2
+    with pytest.raises(UserError):
+        run("-v", "measure", "corridr")
+
+
+def test_the_default_profile_of_the_package_is_checked(run):
+    result = run("config", "check")
+    assert result.code == 0 and result.out.startswith("profile default:")
+
+
 # ---- errors -----------------------------------------------------------------------------------
 
 SHARD = "table flatland_experiments --config {tiny} --out out.parquet --shard "
@@ -117,7 +186,20 @@ ERRORS = {
     "dance": "No such command 'dance'",
     "--colour": "No such option",
     "config dance": "No such command 'dance'",
-    "config check": "Missing argument 'FILES...'",
+    "config resolve": "Missing argument 'FILES...'",
+    "measure": "give a WORLD, or a --robot; --list shows all names",
+    "measure corridr": "did you mean corridor?",
+    "measure CartPole-v1": "env: CartPole-v1 has actions in Discrete(2)",
+    "measure corridor -n 0": "n: expected a whole number, at least 1; got 0",
+    "measure corridor --distance msd": "did you mean 'mse'?",
+    "measure corridor --plot scp.doc": "--plot scp.doc: expected a name that ends in .png",
+    "measure corridor -o box": "-o box: expected KEY=VALUE",
+    "measure corridor -o boxes=1": "no option 'boxes'; it has wall, box",
+    "measure corridor --robot fetch": "--robot and --scene belong to the world apartment",
+    "measure --robot fetsh": "there is no robot 'fetsh'; choose one of fetch",
+    "measure own.py:World": "own.py: there is no such file",
+    "check os:nothing": "os: has no nothing",
+    "check nowhere.at.all:World": "there is no such module",
     "config check gone.yaml": "gone.yaml: there is no such file",
     "config check broken.yaml": "broken.yaml: not valid YAML in line 1",
     "config check folder": "folder: cannot be read",

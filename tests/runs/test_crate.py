@@ -39,7 +39,7 @@ def ids(entities) -> set[str]:
 
 def test_the_workflow_was_run_on_the_settings(crate, default_config):
     workflow = crate.mainEntity
-    assert workflow.id == "Snakefile" and "ComputationalWorkflow" in workflow.type
+    assert workflow.id == "workflow/Snakefile" and "ComputationalWorkflow" in workflow.type
     assert workflow["programmingLanguage"]["name"] == "Snakemake"
     root = crate.root_dataset
     action = root["mentions"]

@@ -24,8 +24,7 @@ other work shares."""
 def copy_workflow(folder: Path) -> Path:
     """Copy what the workflow needs, without results."""
     folder.mkdir(parents=True, exist_ok=True)
-    shutil.copy(ROOT / "Snakefile", folder)
-    for name in ("workflow", "config"):
+    for name in ("workflow", "config", "profiles"):
         shutil.copytree(ROOT / name, folder / name)
     return folder
 

@@ -112,5 +112,5 @@ def test_hostile_paths_work(folder: Path) -> None:
     )
     assert result.returncode == 0, result.stderr
     assert (folder / shard).is_file() and (folder / HOSTILE / "test" / "config.yaml").is_file()
-    own = {"Snakefile", "workflow", "config", ".snakemake", "layer.yaml", "twice.yaml"}
+    own = {"workflow", "config", "profiles", ".snakemake", "layer.yaml", "twice.yaml"}
     assert {path for path in folder.iterdir() if path.name not in own} == {folder / HOSTILE, robots}

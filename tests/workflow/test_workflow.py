@@ -170,7 +170,7 @@ def test_bad_settings_stop_before_any_job(tmp_path: Path) -> None:
         ("seed=-1", "seed"),
         ("flatland={reference: {agent: nobody}}", "nobody"),
         ("results=/proc/nowhere", "/proc"),
-        ("results=Snakefile/results", "Snakefile"),
+        ("results=workflow/Snakefile/results", "Snakefile"),
     ):
         result = snakemake(folder, "--cores", "1", "--config", setting)
         assert result.returncode == 2, result.stderr

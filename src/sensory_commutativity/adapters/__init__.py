@@ -24,6 +24,8 @@ def as_world(source: Any) -> World:
     ArgumentError
         If it is none of these; the message says what is missing.
     """
+    if isinstance(source, type):
+        require_world(source)  # says how to make one
     if isinstance(source, World):
         return source
     if all(hasattr(source, name) for name in ENVIRONMENT_PARTS):
@@ -35,7 +37,7 @@ def as_world(source: Any) -> World:
             f"world: expected a world or an environment, got the text {source!r}; write "
             f"make_world({source!r}), or gymnasium.make({source!r})"
         )
-    if callable(source) and not isinstance(source, type):
+    if callable(source):
         return as_world(source())
     require_world(source)
     return source

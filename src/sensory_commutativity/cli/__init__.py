@@ -8,34 +8,82 @@ for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     # Jobs run side by side, one thread each; must be set before numpy is imported.
     os.environ.setdefault(_variable, "1")
 
+import importlib
 import sys
 
 import click
 
 from ..errors import UserError
-from .config import config
-from .predict import predict
-from .products import animation, arrays, figure, table, train
-from .runs import run
+from ..extras import missing_extra
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
+COMMANDS = {
+    "measure": ("measure", "Measure the SCP of a world's degrees of freedom."),
+    "check": ("measure", "Check that a world can be measured."),
+    "predict": ("predict", "Find what changed between two pictures of one camera."),
+    "table": ("products", "Compute a table of a study, or a shard of it."),
+    "arrays": ("products", "Compute arrays of a study, or a shard of them."),
+    "train": ("products", "Train a model of a study."),
+    "figure": ("products", "Draw a figure of a study."),
+    "animation": ("products", "Write an animation of a study."),
+    "config": ("config", "Check, complete or describe a configuration."),
+    "run": ("runs", "Check, compare and archive finished runs."),
+}
+"""Name -> module that is imported when the command is used, and what the list of commands says."""
 
-@click.group(context_settings=CONTEXT)
-@click.version_option(package_name="sensory-commutativity")
-def main() -> None:
+
+class LazyGroup(click.Group):
+    """A group that imports a command when it is used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in COMMANDS:
+            return None
+        module = importlib.import_module(f".{COMMANDS[name][0]}", __name__)
+        command = getattr(module, name)
+        assert isinstance(command, click.Command)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+
+def _show_version(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    if value:
+        from .. import __version__
+
+        click.echo(f"sensory-commutativity {__version__}")
+        ctx.exit()
+
+
+@click.group(cls=LazyGroup, context_settings=CONTEXT)
+@click.option("-q", "--quiet", is_flag=True, help="Show no progress bars.")
+@click.option("-v", "--verbose", is_flag=True, help="Show where an error arose.")
+@click.option(
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_show_version,
+    help="Show the version and exit.",
+)  # fmt: skip
+@click.pass_context
+def main(ctx: click.Context, quiet: bool, verbose: bool) -> None:
     """Play the same actions in two orders from the same start. Do the sensors end equal?
 
-    The workflow calls these commands in the right order: run `make`, or `snakemake --cores all`.
+    `sencom measure corridor` answers it for a small world. The commands from `table` on belong to
+    the workflow, which calls them in the right order: run `make`, or `snakemake --cores all`.
     """
+    ctx.obj = verbose
+    if quiet:
+        from ..progress import hide
 
-
-for _command in (table, arrays, train, figure, animation, predict, config, run):
-    main.add_command(_command)
+        hide()
 
 
 def entry_point() -> None:
     """Run a command; an error that the user can correct is one line and exit code 2."""
+    verbose = any(word in ("-v", "--verbose") for word in sys.argv[1:3])
     try:
         main(standalone_mode=False)
     except click.exceptions.Exit as error:
@@ -52,9 +100,16 @@ def entry_point() -> None:
     except click.Abort:
         sys.exit(130)
     except UserError as error:
+        if verbose:
+            raise
         _fail(str(error))
+    except ModuleNotFoundError as error:
+        missing = missing_extra(error)
+        if missing is None or verbose:
+            raise
+        _fail(str(missing))
     except OSError as error:
-        if error.filename is None:
+        if error.filename is None or verbose:
             raise
         _fail(f"{error.filename}: {error.strerror}; check the path and its permissions")
 

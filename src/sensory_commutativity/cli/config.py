@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from ..data import data_file
 from ..studies.config import Config
 from ..studies.loading import json_schema, load, write_resolved
 from .options import config_option, out_option
@@ -18,16 +19,16 @@ def config() -> None:
 
 
 @config.command()
-@click.argument("files", nargs=-1, required=True)
+@click.argument("files", nargs=-1)
 def check(files: tuple[str, ...]) -> None:
     """Check configuration FILES, each merged over the ones before.
 
-    Checks the settings, the folder of the results, robots, scenes, and that objects fit into
-    their rooms.
+    Without FILES, checks the default profile that belongs to the package. Checks the settings, the
+    folder of the results, robots, scenes, and that objects fit into their rooms.
     """
     from ..studies.check import check_run
 
-    checked = load(*files)
+    checked = load(*(files or [data_file("config", "config.yaml")]))
     check_run(checked)
     flatland, apartment = checked.flatland.runs(), checked.apartment.runs()
     click.echo(

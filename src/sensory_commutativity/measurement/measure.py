@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from ..adapters import as_world
 from ..errors import ArgumentError, TableError
+from ..progress import progress_bar
 from ..scp.check import check_world
 from ..scp.distances import Distance
 from ..scp.experiment import REST_STEPS
@@ -145,9 +145,7 @@ def measure(
     else:
         played = play_experiments(measured, protocol, missing)
     saved = time.monotonic()
-    hidden = None if progress is None else not progress
-    with tqdm(total=n, initial=n - len(missing), desc=settings.world, unit="start",
-              disable=hidden, leave=False) as bar:  # fmt: skip
+    with progress_bar(n, n - len(missing), settings.world, "start", progress) as bar:
         for i, row in _checked(played, function, settings.world):
             distances[i] = row
             bar.update()

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rocrate.rocrate import ROCrate
 
 ROOT = Path(__file__).resolve().parents[3]
-SNAKEFILE = "Snakefile"
+SNAKEFILE = "workflow/Snakefile"
 WORKFLOW_FOLDERS = {
     "workflow": "rules and captions of the workflow",
     "config": "configurations of the workflow, and the robots and apartments that they name",

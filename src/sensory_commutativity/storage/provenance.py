@@ -33,7 +33,7 @@ def git_commit() -> str:
     try:
         if Path(git("rev-parse", "--show-toplevel")).resolve() != root:
             return "unknown"  # installed inside another project's repository
-        changed = git("status", "--porcelain", "--", "src", "workflow", "config", "Snakefile")
+        changed = git("status", "--porcelain", "--", "src", "workflow", "config")
         return git("rev-parse", "HEAD") + ("-dirty" if changed else "")
     except (OSError, subprocess.SubprocessError):
         return "unknown"

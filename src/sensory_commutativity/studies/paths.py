@@ -71,7 +71,7 @@ def _replace(
     def copy(node: Any, key: tuple[str, ...]) -> Any:
         if isinstance(node, dict):
             return {name: copy(value, (*key, str(name))) for name, value in node.items()}
-        return change(key, node) if isinstance(node, str) and _is_path(key) else node
+        return change(key, node) if isinstance(node, str) and node and _is_path(key) else node
 
     return copy(settings, ())
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -49,7 +50,9 @@ def make_world(name: str, **options: Any) -> World:
             if "unexpected keyword" not in str(error):
                 raise
             option = str(error).partition("argument ")[2]
-            raise ArgumentError(f"options: the world {name!r} has no option {option}") from None
+            raise ArgumentError(
+                f"options: the world {name!r} has no option {option}; it has {_options(name)}"
+            ) from None
 
 
 def make_apartment(
@@ -80,17 +83,17 @@ def make_apartment(
     UserError
         If a file cannot be read as a robot or a scene.
     """
-    from .apartment.rendering.camera import Camera
+    robot_file = _find_file("robot", robot, "robots", ())
+    empty = str(scene) == FREE_SPACE
+    scene_file = None if empty else _find_file("scene", scene, "apartments", (FREE_SPACE,))
+    from .apartment.rendering.camera import Camera  # these import PyBullet
     from .apartment.robots.loading import load_robot
     from .apartment.scenes.empty import empty_floor
     from .apartment.scenes.scenefile import load_scene
     from .apartment.world import ApartmentWorld
 
-    loaded = load_robot(_find_file("robot", robot, "robots", ()))
-    if str(scene) == FREE_SPACE:
-        built = empty_floor(FREE_SPACE)
-    else:
-        built = load_scene(_find_file("scene", scene, "apartments", (FREE_SPACE,)))
+    loaded = load_robot(robot_file)
+    built = empty_floor(FREE_SPACE) if scene_file is None else load_scene(scene_file)
     view = loaded.description.camera.field_of_view if field_of_view is None else field_of_view
     camera = Camera(image_size, image_size, view)
     return ApartmentWorld(built, loaded, [camera], within)
@@ -134,6 +137,16 @@ def _flatland(**room: Any) -> World:
 
 def _flatland_free_space() -> World:
     return _flatland(objects=0, walls=False)
+
+
+def _options(name: str) -> str:
+    """Names of the options of a world."""
+    builder: Callable[..., Any] = WORLDS[name]
+    if builder is _flatland:
+        from .flatland.room import Room
+
+        builder = Room
+    return ", ".join(inspect.signature(builder).parameters) or "none"
 
 
 WORLDS: dict[str, Callable[..., World]] = {

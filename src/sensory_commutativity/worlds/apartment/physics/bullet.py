@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import weakref
 
-import pybullet
-
+from ..bullet import pybullet
 from ..robots.control import DT
 
 GRAVITY = 9.81

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
-import pybullet
-
+from ..bullet import pybullet
 from ..scenes.scenery import Scenery
 from .simulated_robot import SimulatedRobot
 

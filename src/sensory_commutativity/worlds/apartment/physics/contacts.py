@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import NamedTuple
 
-import pybullet
-
+from ..bullet import pybullet
 from ..scenes.scenery import Scenery
 
 

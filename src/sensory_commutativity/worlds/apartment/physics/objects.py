@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import pybullet
 
 from .. import frames as fr
+from ..bullet import pybullet
 from ..scenes.scene import Quaternion, Vector
 
 _AWAKE = pybullet.ACTIVATION_STATE_WAKE_UP

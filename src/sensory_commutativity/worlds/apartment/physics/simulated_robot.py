@@ -5,9 +5,9 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-import pybullet
 
 from .. import frames as fr
+from ..bullet import pybullet
 from ..robots.body import build_body
 from ..robots.bullet_urdf import BASE_JOINTS, Collider
 from ..robots.control import ControllerState, advance, hold_still, make_controller, start_action

@@ -8,8 +8,8 @@ snapshots (:mod:`.snapshots`). Rendering and the choice of start poses are elsew
 from __future__ import annotations
 
 import numpy as np
-import pybullet
 
+from ..bullet import pybullet
 from ..robots.control import SUBSTEPS
 from ..robots.robot import Robot
 from ..scenes.scene import Scene

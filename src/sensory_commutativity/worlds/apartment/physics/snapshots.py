@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pybullet
 
+from ..bullet import pybullet
 from ..robots.control import ControllerState
 from .bullet import BulletWorld, SavedState
 from .objects import MovableObjects

@@ -12,10 +12,10 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-import pybullet
 
 from ....errors import UserError
 from .. import frames as fr
+from ..bullet import pybullet
 from .scene import Movable, Scene, Solid
 from .shapes import write_shape
 

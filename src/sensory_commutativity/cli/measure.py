@@ -1,0 +1,117 @@
+"""Commands that measure and check a world."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .worlds import build_world, list_worlds, world_options
+
+FILE: Any = click.Path(dir_okay=False, path_type=Path)
+
+
+@click.command()
+@world_options
+@click.option("-n", "--n", "n", default=300, show_default=True, help="Start situations.")
+@click.option("--length", default=50, show_default=True, help="Actions in a sequence.")
+@click.option(
+    "--threshold", "thresholds", type=float, multiple=True, default=[0.0], show_default=True,
+    help="Largest distance that counts as equal; may be given several times.",
+)  # fmt: skip
+@click.option(
+    "--distance", default="mse", show_default=True,
+    help="mse (mean squared error) or vgg16 (features of images).",
+)  # fmt: skip
+@click.option("--seed", default=0, show_default=True, help="Determines everything random.")
+@click.option(
+    "--rest-steps", default=3, show_default=True,
+    help="Steps without a command at the end of each order.",
+)  # fmt: skip
+@click.option("--workers", default=1, show_default=True, help="Processes.")
+@click.option(
+    "--out", type=FILE,
+    help="Parquet file for the experiments; if it exists, the measurement goes on from it.",
+)  # fmt: skip
+@click.option("--plot", type=FILE, help="Picture of the SCPs to write: PNG, PDF or SVG.")
+def measure(
+    world: str | None,
+    list_names: bool,
+    robot: str | None,
+    scene: str | None,
+    options: tuple[str, ...],
+    n: int,
+    length: int,
+    thresholds: tuple[float, ...],
+    distance: str,
+    seed: int,
+    rest_steps: int,
+    workers: int,
+    out: Path | None,
+    plot: Path | None,
+) -> None:
+    """Measure the SCP of every degree of freedom of WORLD.
+
+    WORLD is a name that --list shows, a Gymnasium environment (Pendulum-v1), or a world of your own
+    (FILE.py:NAME or MODULE:NAME, where NAME is a world or a function that returns one).
+    """
+    from ..measurement.measure import measure as measure_world
+
+    if list_names:
+        list_worlds()
+        return
+    if plot is not None:
+        _check_format(plot)
+    measurement = measure_world(
+        build_world(world, robot, scene, options), n, length, distance, thresholds, seed,
+        rest_steps=rest_steps, workers=workers, resume=out,
+    )  # fmt: skip
+    click.echo(str(measurement))
+    if len(measurement.dofs) > 1:
+        click.echo(f"\n{measurement.order()}")
+    if plot is not None:
+        import matplotlib
+
+        matplotlib.use("Agg")
+        figure = measurement.plot().get_figure(root=True)
+        assert figure is not None
+        figure.savefig(plot, dpi=150)
+    written = [str(path) for path in (out, plot) if path is not None]
+    if written:
+        click.echo(f"\nwritten: {', '.join(written)}")
+
+
+@click.command()
+@world_options
+@click.option("--tries", default=20, show_default=True, help="Random starts.")
+@click.option("--seed", default=0, show_default=True, help="Determines starts and sequences.")
+def check(
+    world: str | None,
+    list_names: bool,
+    robot: str | None,
+    scene: str | None,
+    options: tuple[str, ...],
+    tries: int,
+    seed: int,
+) -> None:
+    """Check that WORLD keeps the promises that its SCP rests on.
+
+    WORLD is as for `sencom measure`. Plays random sequences and says which promise is broken, and
+    why: exact replay, a restore that restores, observations that are fresh and never change. The
+    exit code is 1 if one is broken.
+    """
+    from ..scp.check import check_world
+
+    if list_names:
+        list_worlds()
+        return
+    report = check_world(build_world(world, robot, scene, options), tries, seed=seed)
+    click.echo(str(report))
+    if not report.passed:
+        raise SystemExit(1)
+
+
+def _check_format(plot: Path) -> None:
+    if plot.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise click.UsageError(f"--plot {plot}: expected a name that ends in .png, .pdf or .svg")
