@@ -42,7 +42,7 @@ replay: $(READY)  ## play 1,000 SC-experiments of the apartment again and compar
 	$(BIN)/python benchmarks/replay.py
 
 test: $(READY)  ## run all tests
-	$(BIN)/python -m pytest --numprocesses 2 --dist loadscope
+	$(BIN)/python -m pytest --numprocesses 3 --dist loadscope  # a third, as the tests of Slurm mostly wait
 
 coverage: $(READY)  ## branch coverage of all tests that do not run the workflow
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadscope --ignore=tests/workflow --cov --cov-report=term

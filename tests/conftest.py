@@ -17,19 +17,26 @@ settings.register_profile("repeatable", max_examples=50, deadline=None, derandom
 settings.load_profile("repeatable")
 
 
+SLURM = "tests/workflow/test_slurm.py"
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Start with the tests of the workflow, which take longest."""
-    items.sort(key=lambda item: not item.nodeid.startswith("tests/workflow/"))
+    items.sort(key=lambda item: (not item.nodeid.startswith("tests/workflow/"),
+                                 item.nodeid.startswith(SLURM)))  # fmt: skip
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log):
-    """Send the tests of the workflow to one process, and each other file to whichever is free."""
+    """Send the tests of the workflow to one process, those of Slurm, which mostly wait, to another,
+    and each other file to whichever is free."""
     from xdist.scheduler import LoadScopeScheduling
 
     class Scheduling(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            return "workflow" if nodeid.startswith("tests/workflow/") else nodeid.split("::")[0]
+            file = nodeid.split("::")[0]
+            workflow = file.startswith("tests/workflow/") and file != SLURM
+            return "workflow" if workflow else file
 
     return Scheduling(config, log)
 

@@ -42,6 +42,14 @@ _MODULES = {
 """Module -> the public names that it defines."""
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
+_EXTRAS = {
+    "change_detection": "change-detection",
+    "navigation": "navigation",
+    "worlds.apartment": "apartment",
+    "worlds.flatland": "flatland",
+}
+"""Package -> the extra that it needs."""
+
 __all__ = ["__version__", *sorted(_MODULE_OF)]
 
 
@@ -50,8 +58,10 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from .extras import extra_needed
 
-    with extra_needed():
-        module = importlib.import_module(f".{_MODULE_OF[name]}", __name__)
+    package = _MODULE_OF[name]
+    extra = next((extra for part, extra in _EXTRAS.items() if package.startswith(part)), None)
+    with extra_needed(extra):
+        module = importlib.import_module(f".{package}", __name__)
     return getattr(module, name)
 
 

@@ -25,7 +25,7 @@ class Reach(gym.Env):
     observation_space = spaces.Dict(
         {"point": spaces.Box(-np.inf, np.inf, (2,)), "lamp": spaces.Discrete(2)}
     )
-    action_space = spaces.Box(np.array([-2.0, 0.0]), np.array([4.0, 1.0]))
+    action_space = spaces.Box(np.float32([-2, 0]), np.float32([4, 1]))
     ends_after = 10_000
 
     def reset(self, *, seed=None, options=None):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import signal
 from collections.abc import Iterator
@@ -34,9 +35,25 @@ COMPARED = [
 
 
 @pytest.fixture(scope="session")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The whole workflow on the test profile: killed with all its children, and resumed."""
-    folder = copy_workflow(tmp_path_factory.mktemp("finished"))
+def finished(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
+    """The whole workflow on the test profile: killed with all its children, and resumed.
+
+    The processes of pytest-xdist share one; the first that needs it makes it.
+    """
+    base = tmp_path_factory.getbasetemp()
+    shared = base if worker_id == "master" else base.parent
+    folder, done = shared / "finished", shared / "finished.done"
+    with (shared / "finished.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not done.exists():
+            assert not folder.exists(), "making the finished run failed in another process"
+            finish_after_a_kill(copy_workflow(folder))
+            done.touch()
+    return folder
+
+
+def finish_after_a_kill(folder: Path) -> None:
+    """Run the workflow in `folder`, kill it with all its children, and resume it."""
     data = folder / "results" / "test" / "data"
 
     def finished_shards() -> dict[Path, int]:
@@ -54,7 +71,6 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert run.returncode == 0, run.stderr
     again = [path for path, when in kept.items() if path.stat().st_mtime_ns != when]
     assert len(again) <= 2, f"finished work was done again: {again}"
-    return folder
 
 
 @pytest.fixture(scope="session")

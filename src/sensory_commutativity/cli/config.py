@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from ..data import data_file
+from ..extras import extra_needed
 from ..studies.config import Config
 from ..studies.loading import json_schema, load, write_resolved
 from .options import config_option, out_option
@@ -29,7 +30,8 @@ def check(files: tuple[str, ...]) -> None:
     from ..studies.check import check_run
 
     checked = load(*(files or [data_file("config", "config.yaml")]))
-    check_run(checked)
+    with extra_needed("workflow"):
+        check_run(checked)
     flatland, apartment = checked.flatland.runs(), checked.apartment.runs()
     click.echo(
         f"profile {checked.profile}: SC-experiments per degree of freedom: "

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..extras import extra_needed
 from .options import FILE
 
 
@@ -21,7 +22,8 @@ def predict(first: Path, second: Path, predictor: Path | None, out: Path | None)
     of three: the same view, another view, or the same view in which objects moved. FIRST and SECOND
     are PNG or JPEG files of the same size, at least 64 pixels per side.
     """
-    from ..change_detection.predict import predict_files
+    with extra_needed("change-detection"):
+        from ..change_detection.predict import predict_files
 
     out = out or second.with_name(f"{second.stem}-moved.png")
     click.echo(predict_files(first, second, predictor, out))
