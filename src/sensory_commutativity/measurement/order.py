@@ -12,6 +12,9 @@ from ..scp.estimate import commutes
 from ..statistics.paired import holm, mcnemar
 from ..statistics.proportions import wilson_interval
 
+MAX_TIES = 6
+"""Pairs that the text names; chosen: two lines."""
+
 
 @dataclass(frozen=True, eq=False)
 class DofOrder:
@@ -64,7 +67,10 @@ class DofOrder:
             f"(McNemar's test, Holm's correction, level {self.alpha:g})"
         )
         if self.ties and told:
-            lines.append("not: " + "; ".join(f"{a} and {b}" for a, b in self.ties))
+            shown = [f"{a} and {b}" for a, b in self.ties[:MAX_TIES]]
+            more = len(self.ties) - len(shown)
+            shown += [f"and {more} more (see .pairs)"] if more else []
+            lines.append("not: " + "; ".join(shown))
         return "\n".join(lines)
 
     __repr__ = __str__

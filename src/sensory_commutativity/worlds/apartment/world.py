@@ -95,6 +95,11 @@ class ApartmentWorld:
         self.renderer = Renderer(collect_drawables(self.simulation), n_bodies)
         self._clearance = float("nan")
 
+    @property
+    def name(self) -> str:
+        """Robot and scene, for tables and titles."""
+        return f"{self.robot.description.name} in {self.scene.name}"
+
     def reset(self, rng: np.random.Generator) -> None:
         """Draw a start pose.
 

@@ -83,6 +83,8 @@ class FlatlandWorld:
         self._start: FlatlandSnapshot
         self._unmoved = False  # the space is as it was built from self._start
 
+    name = "Flatland"
+
     # ---- the protocol World ---------------------------------------------------------------------
 
     def reset(self, rng: np.random.Generator) -> None:
