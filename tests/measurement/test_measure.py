@@ -7,8 +7,10 @@ import sys
 import time
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from sensory_commutativity import (
     ArgumentError,
@@ -124,10 +126,12 @@ def test_the_text_names_the_world_and_every_degree_of_freedom(measured: Measurem
 
 
 def test_the_figure_shows_every_degree_of_freedom(measured: Measurement) -> None:
-    ax = measured.plot()
+    ax = measured.plot(Figure().add_subplot())
     assert [label.get_text() for label in ax.get_yticklabels()] == ["move", "eyelid"]
     assert len(ax.get_legend().get_texts()) == 2
-    assert measured.with_thresholds(0).plot().get_legend() is None
+    alone = measured.with_thresholds(0).plot()
+    assert alone.get_legend() is None
+    plt.close(alone.figure)
 
 
 def test_a_measurement_goes_on_from_its_file(measured: Measurement, tmp_path: Path) -> None:

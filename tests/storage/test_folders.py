@@ -67,7 +67,7 @@ def test_a_locked_folder_cannot_be_locked_until_it_is_released(tmp_path, monkeyp
     monkeypatch.setattr(atexit, "register", at_exit.append)
     folder = tmp_path / "results"
     lock_folder(folder)
-    with pytest.raises(UserError, match=f"process {os.getpid()} on .* is writing.*; wait") as error:
+    with pytest.raises(UserError, match=f"locked by process {os.getpid()} on .*; wait") as error:
         lock_folder(folder, "wait")
     assert str(folder) in str(error.value)
     lock_folder(tmp_path / "other")

@@ -52,7 +52,9 @@ def snakemake(folder: Path, *arguments: str | Path) -> subprocess.CompletedProce
 
 def dry_run(folder: Path, layer: str | Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Plan the workflow with a further configuration file, and print the plan."""
-    line = [BIN / "snakemake", "--configfile", "config/test.yaml", layer, "--dry-run", *arguments]
+    loud = ["--workflow-profile", "none"]  # with the reason of every job
+    line = [BIN / "snakemake", "--configfile", "config/test.yaml", layer, "--dry-run", *loud,
+            *arguments]  # fmt: skip
     return run(line, folder)
 
 

@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import pyarrow.parquet as pq
+import pytest
 
 from sensory_commutativity.runs.checksums import FOLDERS, MANIFEST, read_manifest
 from sensory_commutativity.runs.verify import verify_run
@@ -48,7 +49,10 @@ def test_every_table_and_figure_is_there_and_nothing_unfinished(finished: Path) 
     assert not list(results.rglob(".*")), "temporary files or batches were left behind"
 
 
-def test_every_table_passes_its_checks_and_tells_its_provenance(finished: Path) -> None:
+def test_every_table_passes_its_checks_and_tells_its_provenance(
+    finished: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(finished)  # where its paths lead from
     config = load_config(finished)
     frames = {}
     for name, table in declarations(Table).items():

@@ -71,11 +71,10 @@ def measure(
     if len(measurement.dofs) > 1:
         click.echo(f"\n{measurement.order()}")
     if plot is not None:
-        import matplotlib
+        from matplotlib.figure import Figure  # needs no screen
 
-        matplotlib.use("Agg")
-        figure = measurement.plot().get_figure(root=True)
-        assert figure is not None
+        figure = Figure(figsize=(6.4, 1.4 + 0.3 * len(measurement.dofs)), layout="constrained")
+        measurement.plot(figure.add_subplot())
         figure.savefig(plot, dpi=150)
     written = [str(path) for path in (out, plot) if path is not None]
     if written:

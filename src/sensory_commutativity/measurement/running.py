@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.reduction import ForkingPickler
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,6 +79,8 @@ def play_in_parallel(
     """
     can_fork = "fork" in multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("fork" if can_fork else "spawn")
+    if not can_fork:
+        _require_sendable(make_world)
     size = min(max(len(experiments) // (CHUNKS_PER_WORKER * workers), 1), LARGEST_CHUNK)
     chunks = [experiments[i : i + size] for i in range(0, len(experiments), size)]
     pool = ProcessPoolExecutor(workers, context, _start_worker, (make_world, protocol))
@@ -91,15 +94,18 @@ def play_in_parallel(
         raise UserError(
             "workers: a process was killed, perhaps for want of memory; measure with fewer workers"
         ) from None
-    except (AttributeError, TypeError) as error:
-        if "pickle" not in str(error):
-            raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _require_sendable(make_world: Callable[[], World]) -> None:
+    try:
+        ForkingPickler.dumps(make_world)
+    except Exception as error:  # whatever the world's own parts raise
         raise UserError(
             f"workers: the world cannot be sent to another process ({error}); give a function at "
             "the top level of a module that returns the world, or workers=1"
         ) from None
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
 
 
 _worker: tuple[World, Protocol]
