@@ -27,6 +27,8 @@ _MODULES = {
     "scp.estimate": ("commutes", "estimate_scp"),
     "adapters": ("as_world",),
     "adapters.gymnasium": ("GymnasiumWorld", "from_gymnasium"),
+    "adapters.registry": ("make_environment",),
+    "adapters.snapshots": ("Exactness", "ExactSnapshot", "choose_snapshots", "measure_exactness"),
     "worlds.catalog": ("make_apartment", "make_world"),
     "worlds.corridor": ("Corridor",),
     "worlds.flatland.agent": ("Polyphemus",),

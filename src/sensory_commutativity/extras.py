@@ -10,6 +10,7 @@ from .errors import MissingExtraError
 EXTRAS = {
     "flatland": ("numba", "pymunk", "gymnasium"),
     "apartment": ("pybullet", "trimesh", "fast_simplification", "gymnasium_robotics"),
+    "environments": ("mujoco", "panda_gym", "shimmy", "dm_control", "Box2D", "pygame"),
     "change-detection": ("torch", "torchvision", "h5py", "onnx"),
     "navigation": ("stable_baselines3", "sb3_contrib"),
     "workflow": ("snakemake", "rocrate", "scipy", "statsmodels"),

@@ -1,153 +1,344 @@
 """A Gymnasium environment as a world.
 
-An environment cannot be put back in general. It is therefore reset with the seed of its start and
-the actions since then are played again, which is exact for every environment whose ``reset(seed)``
-determines everything random.
+It is put back exactly (:mod:`.snapshots`), its actions are turned into commands that commute in
+free space where the simulator allows it (:mod:`.control`), sequences can be kept from reaching a
+joint's stop, and each order ends when nothing moves any more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
+import gymnasium
 import numpy as np
 
-from ..errors import ArgumentError
+from ..errors import ArgumentError, WorldError
 from ..scp.world import Dof
+from ..seeding import generator
+from .control import check_action_space, choose_control
+from .player import Played, Player, RemotePlayer
+from .simulators import find_mujoco
+from .snapshots import TRIES, Exactness, choose_snapshots
 
-if TYPE_CHECKING:
-    import gymnasium
+PREFIX, HOLD, SETTLE = 40, 10, 20
+"""Random actions on the way to a start, how many steps each is held, and steps without a command
+after them. Chosen: long enough to leave the pose of the reset."""
+UNIT_STARTS = 20
+"""Ways to starts from which the unit of each sensor is taken. Chosen."""
+STILL = 1e-6
+"""Share of its unit that a sensor may move in a step of a still environment. Chosen."""
+MOST_TRIES = 200
+"""Draws of a start that must satisfy a condition, before giving up. Chosen."""
+PIXELS = 128
+"""Height and width of images, as the paper's robots see."""
 
 
-@dataclass(frozen=True)
-class EpisodeSnapshot:
-    """The seed of a reset, and the actions since then: tuple of float arrays (n_dofs,)."""
+class Events(NamedTuple):
+    """What happened since the last restore.
 
-    seed: int
-    actions: tuple[np.ndarray, ...]
+    Attributes
+    ----------
+    touched : frozenset
+        Pairs of bodies that touched.
+    positions : float64
+        Where free objects are, metres; empty where the simulator does not tell.
+    terminated : bool
+        Whether the episode terminated.
+    rest_steps : int
+        Steps without a command at the end.
+    still : bool
+        Whether nothing moved at the end.
+    """
+
+    touched: frozenset
+    positions: np.ndarray
+    terminated: bool
+    rest_steps: int
+    still: bool
+
+
+class Situation(NamedTuple):
+    """A snapshot, and the room that is left to the stops of each action."""
+
+    inner: Any
+    down: np.ndarray
+    up: np.ndarray
 
 
 class GymnasiumWorld:
     """A :class:`~sensory_commutativity.scp.world.World` made from a Gymnasium environment.
 
-    An action of 0 commands 0 where the range of the action space contains it, otherwise the middle
-    of the range; 1 and -1 command its ends. An episode that ends stays at its last observation.
-
     Parameters
     ----------
     env : gymnasium.Env
-        With actions in a Box with finite bounds. Use ``max_episode_steps`` of ``gymnasium.make`` if
-        its episodes are shorter than a sequence.
+        With actions in a Box with finite bounds. Its model may be edited. Limits of steps
+        (TimeLimit) have to be longer than a sequence.
+    control : {"auto", "direct", "increments", "servo"}
+        See :func:`.choose_control`.
+    snapshots : {"auto", "native", "replay", "fork"}
+        See :func:`.choose_snapshots`.
     sensors : sequence of str, optional
-        Keys of a Dict observation to use; all by default.
+        Keys of a Dict observation to use; all by default. ``["pixels"]`` is an image, 128 x 128, of
+        an environment that was made with ``render_mode="rgb_array"``.
+    avoid_stops : bool
+        Whether sequences are scaled so that no order of them reaches a joint's stop, where the
+        control knows the stops.
+    prefix, hold, settle : int
+        A start is reached from a reset by `prefix` random actions, each held for `hold` steps, and
+        `settle` steps without a command.
+    accept : callable, optional
+        Takes the Events on the way to a start, and says whether to use it; e.g. to start near
+        objects. Starts are drawn until one is accepted.
+
+    Attributes
+    ----------
+    dofs : tuple of Dof
+    control : DirectControl
+    choices : list of str
+        What was chosen, and why, for people.
+    exactness : list of Exactness
+        The ways to put the environment back that were tried.
+    unit : float64 (size,)
+        Spread of each sensor on the way to starts; infinite for one that never moves.
 
     Raises
     ------
     ArgumentError
-        If the actions are not continuous and bounded, or a sensor does not exist.
+        If the actions are not continuous and bounded, or an argument is not valid.
+    WorldError
+        If the environment cannot be put back exactly.
     """
 
-    def __init__(self, env: gymnasium.Env, sensors: Sequence[str] | None = None):
-        from gymnasium import spaces
-
-        space = env.action_space
+    def __init__(
+        self,
+        env: gymnasium.Env,
+        *,
+        control: str = "auto",
+        snapshots: str = "auto",
+        sensors: Sequence[str] | None = None,
+        avoid_stops: bool = True,
+        prefix: int = PREFIX,
+        hold: int = HOLD,
+        settle: int = SETTLE,
+        accept: Callable[[Events], bool] | None = None,
+        tries: int = TRIES,
+    ):
         spec = getattr(env, "spec", None)
-        name = type(env).__name__ if spec is None else spec.id
-        if not isinstance(space, spaces.Box):
-            raise ArgumentError(
-                f"env: {name} has actions in {space}; only continuous actions, a Box, can be "
-                "permuted within a degree of freedom"
-            )
-        if not (np.isfinite(space.low).all() and np.isfinite(space.high).all()):
-            raise ArgumentError(
-                f"env: {name} has unbounded actions; wrap it in gymnasium.wrappers.RescaleAction "
-                "or ClipAction"
-            )
-        self.env, self.name = env, name
-        self._low = space.low.astype(np.float64).ravel()
-        self._high = space.high.astype(np.float64).ravel()
-        self.dofs = tuple(Dof(f"action-{i}", "1", 1.0) for i in range(len(self._low)))
-        self._sensors = _check_sensors(env.observation_space, sensors, name)
-        self._seed: int | None = None
-        self._actions: list[np.ndarray] = []
-        self._observation: np.ndarray
-        self._ended = False
+        self.name = type(env.unwrapped).__name__ if spec is None else spec.id
+        check_action_space(env.action_space, self.name)
+        self.env, self.avoid_stops, self.accept = env, avoid_stops, accept
+        self._prefix, self._hold, self._settle = prefix, hold, settle
+        way, self.exactness = choose_snapshots(env, snapshots, tries)
+        self.control, reason = choose_control(env, control)
+        player = Player(env, self.control)
+        self._local = player
+        self._player: Player | RemotePlayer = player
+        if way.name == "fork":
+            way.close()
+            self._player = RemotePlayer(player)
+        else:
+            player.snapshots = way
+        self.choices = [
+            f"put back by {way.name} (exact in {self.exactness[-1].exact} of {tries} tries)",
+            f"control {self.control.name} ({reason})",
+        ]
+        if avoid_stops and self.control.name != "direct":
+            self.choices.append("sequences do not reach stops")
+        self.dofs = _name_dofs(env, self.control.n)
+        self._pixels = list(sensors or ()) == ["pixels"]
+        self._sensed = _select_sensors(env, None if self._pixels else sensors, self.name)
+        self._last: Played | None = None
+        self._touched: frozenset = frozenset()
+        self._terminated = False
+        self._tolerance: np.ndarray | None = None
+        self._observation = np.zeros(0)
+        self._measure_unit()
+
+    # ---- the protocol World ---------------------------------------------------------------------
 
     def reset(self, rng: np.random.Generator) -> None:
-        """Reset the environment with a seed that is drawn from `rng`."""
-        self._restart(int(rng.integers(2**31)))
+        """Reset with a seed from `rng`, and play random actions and a pause."""
+        for _ in range(MOST_TRIES):
+            played = self._go_to_start(rng)
+            if self.accept is None or self.accept(self.happened()):
+                self._touched, self._terminated = frozenset(), False
+                return
+            del played
+        raise WorldError(
+            f"no start was accepted in {MOST_TRIES} draws; make the condition easier, or the "
+            "prefix longer"
+        )
 
-    def snapshot(self) -> EpisodeSnapshot:
-        if self._seed is None:
-            raise RuntimeError("the world has no situation yet: call reset(rng) first")
-        return EpisodeSnapshot(self._seed, tuple(self._actions))
+    def snapshot(self) -> Situation:
+        down, up = self._player.room()
+        return Situation(self._player.snapshot(), down, up)
 
-    def restore(self, snapshot: EpisodeSnapshot) -> None:
-        self._restart(snapshot.seed)
-        for action in snapshot.actions:
-            self.step(action)
+    def restore(self, snapshot: Situation) -> None:
+        self._player.restore(snapshot.inner)
+        self._touched, self._terminated, self._last = frozenset(), False, None
 
     def step(self, action: np.ndarray) -> None:
-        action = np.clip(np.asarray(action, np.float64), -1.0, 1.0)
-        self._actions.append(action)
-        if self._ended:
-            return
-        observation, _, terminated, truncated, _ = self.env.step(self._command(action))
-        if truncated and not terminated:
-            raise ArgumentError(
-                f"env: {self.name} truncated the episode after {len(self._actions)} steps; make it "
-                "with a larger max_episode_steps"
-            )
-        self._observation = self._flatten(observation)
-        self._ended = bool(terminated)
+        self.play(np.asarray(action, np.float64)[None])
+
+    def play(self, actions: np.ndarray) -> None:
+        """Play actions, float (steps, n), clipped to [-1, 1]."""
+        self._note(self._player.play(np.clip(actions, -1.0, 1.0)))
+
+    def rest(self, most: int) -> None:
+        """Command nothing until nothing moves, for at most `most` steps."""
+        nothing = np.zeros((0, self.control.n))
+        self._note(self._player.play(nothing, most, self._tolerance))
 
     def observe(self) -> np.ndarray:
-        return self._observation.copy()
+        """The sensors, float64 (size,), or an image, uint8 (128, 128, 3)."""
+        if self._pixels:
+            return self._player.render(PIXELS)
+        if self._last is None:  # after a restore
+            self._note(self._player.play(np.zeros((0, self.control.n))))
+        return self._observation[self._sensed].copy()
 
-    def happened(self) -> bool:
-        """Return whether the episode has terminated."""
-        return self._ended
+    # ---- what the protocol does not ask for -----------------------------------------------------
 
-    def _restart(self, seed: int) -> None:
-        observation, _ = self.env.reset(seed=seed)
-        self._seed, self._actions, self._ended = seed, [], False
-        self._observation = self._flatten(observation)
+    def happened(self) -> Events:
+        """What happened since the last restore or reset."""
+        last = self._last
+        if last is None:
+            return Events(frozenset(), np.zeros(0), False, 0, False)
+        return Events(self._touched, last.positions, self._terminated, last.rest_steps, last.still)
 
-    def _command(self, action: np.ndarray) -> np.ndarray:
-        low, high = self._low, self._high
-        through_zero = np.where(action >= 0, action * high, -action * low)
-        linear = low + (action + 1) / 2 * (high - low)
-        command = np.where((low <= 0) & (high >= 0), through_zero, linear)
-        space = self.env.action_space
-        return command.reshape(space.shape).astype(space.dtype)
+    def limit(self, start: Situation, sequence: np.ndarray) -> np.ndarray:
+        """Scale a sequence so that no order of it can reach a stop from `start`."""
+        if not self.avoid_stops:
+            return sequence
+        return sequence * _scale_within(sequence, start)
 
-    def _flatten(self, observation: Any) -> np.ndarray:
-        from gymnasium import spaces
+    def reaches_stop(self, start: Situation, sequence: np.ndarray) -> bool:
+        """Whether some order of a sequence could reach a stop from `start`."""
+        return bool((_scale_within(sequence, start) < 1).any())
 
-        space = self.env.observation_space
-        if self._sensors is not None:
-            parts = [np.asarray(observation[key]).ravel() for key in self._sensors]
-            return np.concatenate(parts)
-        if isinstance(space, spaces.Box):
-            return np.array(observation)
-        return np.array(spaces.flatten(space, observation))
+    def reseed(self, seed: int) -> None:
+        """Give the environment's generator another state: whether steps are noisy shows then."""
+        self._player.reseed(seed)
+
+    def distance(self, first: np.ndarray, second: np.ndarray) -> float:
+        """Root mean square of the differences, each in units of its sensor."""
+        moves = np.isfinite(self.unit)
+        scaled = (first[moves] - second[moves]) / self.unit[moves]
+        return float(np.sqrt(np.mean(scaled**2))) if scaled.size else 0.0
+
+    def enter_process(self) -> None:
+        """Prepare for use in a process that was forked from the one that made this world."""
+        if isinstance(self._player, RemotePlayer):
+            self._player = RemotePlayer(self._local)
+
+    @property
+    def observes_images(self) -> bool:
+        """Whether observations are images."""
+        return self._pixels
+
+    @property
+    def knows_contacts(self) -> bool:
+        """Whether the simulator tells what touches what."""
+        return self._player.contacts.known
+
+    # ---- internals ------------------------------------------------------------------------------
+
+    def _go_to_start(self, rng: np.random.Generator, keep: bool = False) -> Played:
+        seed, n = int(rng.integers(2**31)), self.control.n
+        actions = rng.uniform(-1, 1, (-(-self._prefix // self._hold), n)).repeat(self._hold, 0)
+        actions = np.concatenate([actions[: self._prefix], np.zeros((self._settle, n))])
+        self._touched, self._terminated = frozenset(), False
+        first = self._player.reset(seed)
+        played = self._player.play(actions, 0, None, keep)
+        self._note(played)
+        if keep and played.visited is not None:
+            visited = np.concatenate([first[None], played.visited])
+            return played._replace(visited=visited)
+        return played
+
+    def _note(self, played: Played) -> None:
+        self._last = played
+        self._observation = played.observation
+        self._touched |= played.touched
+        self._terminated = self._terminated or played.terminated
+
+    def _measure_unit(self) -> None:
+        ways = []
+        for i in range(UNIT_STARTS):
+            visited = self._go_to_start(generator(0, "unit", i), keep=True).visited
+            assert visited is not None
+            ways.append(visited)
+        moves = np.any([np.ptp(way, axis=0) > 0 for way in ways], axis=0)
+        spread = np.concatenate(ways).std(axis=0)
+        everything = np.where(moves, spread, np.inf)
+        self._tolerance = np.where(moves, STILL * spread, np.inf)
+        self.unit = everything[self._sensed]
 
 
-def from_gymnasium(env: gymnasium.Env, sensors: Sequence[str] | None = None) -> GymnasiumWorld:
-    """Return a Gymnasium environment as a world; see :class:`GymnasiumWorld`."""
-    return GymnasiumWorld(env, sensors)
+def from_gymnasium(env: gymnasium.Env, **options: Any) -> GymnasiumWorld:
+    """Return a Gymnasium environment as a world; `options` as for :class:`GymnasiumWorld`."""
+    return GymnasiumWorld(env, **options)
 
 
-def _check_sensors(space: Any, sensors: Sequence[str] | None, name: str) -> tuple[str, ...] | None:
+def _scale_within(sequence: np.ndarray, start: Situation) -> np.ndarray:
+    """Factor of each action, at most 1, with which neither the positive nor the negative part of
+    the sequence alone reaches a stop: then no order of it does."""
+    up = np.clip(sequence, 0, None).sum(axis=0)
+    down = np.clip(-sequence, 0, None).sum(axis=0)
+    tiny = 1e-9
+    return np.minimum(
+        1.0, np.minimum(start.up / np.maximum(up, tiny), start.down / np.maximum(down, tiny))
+    )
+
+
+def _name_dofs(env: gymnasium.Env, n: int) -> tuple[Dof, ...]:
+    """One degree of freedom per action, named after MuJoCo's actuators if they have names."""
+    names = [f"action-{i}" for i in range(n)]
+    simulator = find_mujoco(env)
+    if simulator is not None and simulator.model.nu == n:
+        import mujoco
+
+        kind = mujoco.mjtObj.mjOBJ_ACTUATOR
+        found = [mujoco.mj_id2name(simulator.model, kind, i) or "" for i in range(n)]
+        if all(found) and len(set(found)) == n:
+            names = found
+    return tuple(Dof(name, "1", 1.0) for name in names)
+
+
+def _select_sensors(env: gymnasium.Env, sensors: Sequence[str] | None, name: str) -> np.ndarray:
+    """Indices of the chosen sensors in the flattened observation."""
+    space = env.observation_space
     keys = getattr(space, "spaces", None)
     if sensors is None:
-        return None
+        return np.arange(int(gymnasium.spaces.flatdim(space)) if _is_box(space) else _size(space))
     if not isinstance(keys, dict):
         raise ArgumentError(f"sensors: the observations of {name} have no names; leave it out")
+    chosen: list[int] = []
+    at = 0
+    for key in sorted(keys):
+        size = _size(keys[key])
+        if key in sensors:
+            chosen.extend(range(at, at + size))
+        at += size
     for sensor in sensors:
         if sensor not in keys:
             raise ArgumentError(
                 f"sensors: {name} has no {sensor!r}; choose from {', '.join(map(str, keys))}"
             )
-    return tuple(sensors)
+    return np.array(chosen, int)
+
+
+def _is_box(space: Any) -> bool:
+    return isinstance(space, gymnasium.spaces.Box)
+
+
+def _size(space: Any) -> int:
+    """Numbers in a flattened observation, as :func:`.flatten_observation` counts them."""
+    parts = getattr(space, "spaces", None)
+    if parts is None:
+        return int(np.prod(space.shape)) if space.shape is not None else 1
+    return sum(map(_size, parts.values() if isinstance(parts, dict) else parts))
+
+
+__all__ = ["Events", "Exactness", "GymnasiumWorld", "from_gymnasium"]

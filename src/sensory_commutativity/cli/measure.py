@@ -17,17 +17,20 @@ FILE: Any = click.Path(dir_okay=False, path_type=Path)
 @click.option("-n", "--n", "n", default=300, show_default=True, help="Start situations.")
 @click.option("--length", default=50, show_default=True, help="Actions in a sequence.")
 @click.option(
-    "--threshold", "thresholds", type=float, multiple=True, default=[0.0], show_default=True,
-    help="Largest distance that counts as equal; may be given several times.",
+    "--threshold", "thresholds", type=float, multiple=True,
+    help="Largest distance that counts as equal; may be given several times  [default: 0; of an "
+    "environment .01 and .1]",
 )  # fmt: skip
 @click.option(
-    "--distance", default="mse", show_default=True,
-    help="mse (mean squared error) or vgg16 (features of images).",
+    "--distance",
+    help="mse (mean squared error), scaled (in units of each sensor's spread) or vgg16 (features "
+    "of images)  [default: mse; of an environment scaled]",
 )  # fmt: skip
 @click.option("--seed", default=0, show_default=True, help="Determines everything random.")
 @click.option(
-    "--rest-steps", default=3, show_default=True,
-    help="Steps without a command at the end of each order.",
+    "--rest-steps", type=int,
+    help="Steps without a command at the end of each order  [default: 3; of an environment 100 at "
+    "most, until it is still]",
 )  # fmt: skip
 @click.option("--workers", default=1, show_default=True, help="Processes.")
 @click.option(
@@ -38,18 +41,17 @@ FILE: Any = click.Path(dir_okay=False, path_type=Path)
 def measure(
     world: str | None,
     list_names: bool,
-    robot: str | None,
-    scene: str | None,
     options: tuple[str, ...],
     n: int,
     length: int,
     thresholds: tuple[float, ...],
-    distance: str,
+    distance: str | None,
     seed: int,
-    rest_steps: int,
+    rest_steps: int | None,
     workers: int,
     out: Path | None,
     plot: Path | None,
+    **which: str | None,
 ) -> None:
     """Measure the SCP of every degree of freedom of WORLD.
 
@@ -64,11 +66,11 @@ def measure(
     if plot is not None:
         _check_format(plot)
     measurement = measure_world(
-        build_world(world, robot, scene, options), n, length, distance, thresholds, seed,
+        build_world(world, options, which), n, length, distance, thresholds or None, seed,
         rest_steps=rest_steps, workers=workers, resume=out,
     )  # fmt: skip
     click.echo(str(measurement))
-    if len(measurement.dofs) > 1:
+    if len(measurement.dofs) > 1 and not measurement.controls:
         click.echo(f"\n{measurement.order()}")
     if plot is not None:
         from matplotlib.figure import Figure  # needs no screen
@@ -88,11 +90,10 @@ def measure(
 def check(
     world: str | None,
     list_names: bool,
-    robot: str | None,
-    scene: str | None,
     options: tuple[str, ...],
     tries: int,
     seed: int,
+    **which: str | None,
 ) -> None:
     """Check that WORLD keeps the promises that its SCP rests on.
 
@@ -105,7 +106,7 @@ def check(
     if list_names:
         list_worlds()
         return
-    report = check_world(build_world(world, robot, scene, options), tries, seed=seed)
+    report = check_world(build_world(world, options, which), tries, seed=seed)
     click.echo(str(report))
     if not report.passed:
         raise SystemExit(1)

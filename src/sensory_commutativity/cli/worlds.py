@@ -14,12 +14,14 @@ from typing import Any
 import click
 
 from ..adapters import as_world
+from ..adapters.registry import make_environment
 from ..errors import ArgumentError, UserError
-from ..extras import install_command
 from ..scp.world import World
 
 OWN = re.compile(r"^(?P<module>[\w./\\ -]+):(?P<name>[A-Za-z_]\w*)$")
 """FILE.py:NAME or MODULE:NAME. Gymnasium's MODULE:NAME-v0 does not match."""
+WORLD_OPTIONS = ("control", "snapshots", "sensors", "avoid_stops", "prefix", "hold", "settle")
+"""Options that belong to the adapter of environments; the others go to gymnasium.make."""
 
 
 def world_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -28,6 +30,13 @@ def world_options(function: Callable[..., Any]) -> Callable[..., Any]:
         click.option(
             "-o", "--option", "options", multiple=True, metavar="KEY=VALUE",
             help="Option of the world, e.g. -o objects=4; may be given several times.",
+        ),
+        click.option(
+            "--sensors", help="Keys of an environment's observation, with commas; or pixels."
+        ),
+        click.option(
+            "--control", type=click.Choice(["auto", "direct", "increments", "servo"]),
+            help="How actions become commands of an environment  [default: auto]",
         ),
         click.option("--scene", help="Scene of the apartment: a name, or a YAML file."),
         click.option("--robot", help="Robot in the apartment: a name, or a YAML file."),
@@ -49,10 +58,8 @@ def list_worlds() -> None:
         click.echo(f"{kind}: {', '.join(names)}")
 
 
-def build_world(
-    world: str | None, robot: str | None, scene: str | None, options: tuple[str, ...]
-) -> World:
-    """Build the world that the command line names.
+def build_world(world: str | None, options: tuple[str, ...], which: dict[str, str | None]) -> World:
+    """Build the world that the command line names; `which` holds the options that say which.
 
     Raises
     ------
@@ -62,21 +69,22 @@ def build_world(
     from ..worlds.catalog import WORLDS, make_world
 
     chosen = _read_options(options)
-    for key, value in (("robot", robot), ("scene", scene)):
-        if value is not None:
-            chosen[key] = value
-    if world is None and (robot or scene):
+    chosen |= {key: value for key, value in which.items() if value is not None}
+    apartment = which.get("robot") or which.get("scene")
+    if world is None and apartment:
         world = "apartment"
     if world is None:
         raise click.UsageError("give a WORLD, or a --robot; --list shows all names")
-    if (robot or scene) and world != "apartment":
+    if apartment and world != "apartment":
         raise click.UsageError("--robot and --scene belong to the world apartment")
+    own = OWN.match(world)
+    if (which.get("control") or which.get("sensors")) and (own or world in WORLDS):
+        raise click.UsageError("--control and --sensors belong to Gymnasium environments")
     if world in WORLDS:
         return make_world(world, **chosen)
-    own = OWN.match(world)
     if own:
         return as_world(_call(_load_own(own["module"], own["name"]), chosen, world))
-    return as_world(_make_environment(world, chosen, list(WORLDS)))
+    return _make_environment(world, chosen, list(WORLDS))
 
 
 def _read_options(options: tuple[str, ...]) -> dict[str, Any]:
@@ -138,25 +146,18 @@ def _call(source: Any, options: dict[str, Any], world: str) -> Any:
 
 
 def _make_environment(name: str, options: dict[str, Any], worlds: list[str]) -> Any:
-    """The Gymnasium environment `name`, without a limit of steps."""
+    """The Gymnasium environment `name`, as a world."""
     near = difflib.get_close_matches(name, worlds, 1, 0.6)
-    hint = f"did you mean {near[0]}? " if near else ""
+    hint = f"; did you mean the world {near[0]}?" if near else ""
+    for_world = {key: options.pop(key) for key in WORLD_OPTIONS if key in options}
+    if isinstance(for_world.get("sensors"), str):
+        for_world["sensors"] = for_world["sensors"].split(",")
+    if for_world.get("sensors") == ["pixels"]:
+        options.setdefault("render_mode", "rgb_array")
     try:
-        import gymnasium
-    except ModuleNotFoundError:
-        raise ArgumentError(
-            f"WORLD: there is no world {name!r} in this package; {hint}Gymnasium environments need "
-            f"{install_command('flatland')}"
-        ) from None
-    try:
-        return gymnasium.make(name, max_episode_steps=10**9, **options)
-    except gymnasium.error.DependencyNotInstalled as error:
-        raise UserError(f"{name}: {' '.join(str(error).split())}") from None
-    except (gymnasium.error.Error, ModuleNotFoundError) as error:
-        near = difflib.get_close_matches(name, [*worlds, *gymnasium.registry], 3, 0.6)
-        hint = f"did you mean {', '.join(near)}? " if near else ""
-        reason = " ".join(str(error).split())[:120].rstrip(".")
-        raise ArgumentError(
-            f"WORLD: there is no world or Gymnasium environment {name!r} ({reason}); {hint}"
-            "--list shows the worlds of this package"
-        ) from None
+        env = make_environment(name, **options)
+    except UserError as error:
+        raise ArgumentError(f"WORLD: {error}{hint}; --list shows the package's own") from None
+    from ..adapters.gymnasium import from_gymnasium
+
+    return from_gymnasium(env, **for_world)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import numbers
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..scp.experiment import Outcome, compare_orders, orders_per_dof
 from ..scp.world import World
 from ..seeding import generator
 
-DISTANCES = ("mse", "vgg16")
+DISTANCES = ("mse", "scaled", "vgg16")
 """Names that `distance` may have."""
 
 
@@ -27,6 +27,11 @@ def check_whole_number(name: str, value: Any, least: int, most: int = 2**63 - 1)
         limit = f"at least {least}" if most == 2**63 - 1 else f"from {least} to {most}"
         raise ArgumentError(f"{name}: expected a whole number, {limit}; got {value!r}")
     return int(value)
+
+
+def default_thresholds(distance: str) -> tuple[float, ...]:
+    """Thresholds for a distance: .01 and .1 of the spread of the sensors, or 0."""
+    return (0.01, 0.1) if distance == "scaled" else (0.0,)
 
 
 def check_thresholds(thresholds: Any) -> tuple[float, ...]:
@@ -46,8 +51,11 @@ def check_thresholds(thresholds: Any) -> tuple[float, ...]:
     return values
 
 
-def resolve_distance(distance: str | Distance) -> tuple[str, Distance]:
-    """Name and function of a distance.
+def resolve_distance(distance: str | Distance | None, world: Any) -> tuple[str, Distance]:
+    """Name and function of a distance, for a world.
+
+    By default ``scaled`` for a world whose sensors have units, such as a Gymnasium environment, and
+    ``mse`` for others.
 
     Raises
     ------
@@ -58,6 +66,17 @@ def resolve_distance(distance: str | Distance) -> tuple[str, Distance]:
     """
     if callable(distance):
         return getattr(distance, "__qualname__", type(distance).__name__), distance
+    scaled = getattr(world, "distance", None)
+    images = getattr(world, "observes_images", False)
+    if distance is None:
+        distance = "scaled" if scaled is not None and not images else "mse"
+    if distance == "scaled":
+        if scaled is None or images:
+            raise ArgumentError(
+                "distance: scaled needs a world whose sensors have units, such as a Gymnasium "
+                "environment without images; choose mse"
+            )
+        return "scaled", scaled
     if distance == "mse":
         return "mse", mean_squared_error
     if distance == "vgg16":
@@ -101,7 +120,7 @@ def try_distance(world: World, distance: Distance, seed: int, length: int, rest_
     """
     world.reset(generator(seed, "situation"))
     start = world.snapshot()
-    _, sequence, permuted = next(iter(orders_per_dof(world, seed, length)))
+    _, sequence, permuted = next(iter(orders_per_dof(world, seed, length, start)))
     outcome: Outcome = compare_orders(world, start, sequence, permuted, rest_steps)
     for first, second in ((outcome.first, outcome.second), (outcome.first, outcome.first)):
         value = distance(first, second)
@@ -128,6 +147,3 @@ def check_names(name: str, chosen: Sequence[str] | None, known: Sequence[str]) -
     if not chosen:
         raise ArgumentError(f"{name}: expected at least one of {', '.join(known)}")
     return tuple(chosen)
-
-
-Factory = Callable[[], Any]

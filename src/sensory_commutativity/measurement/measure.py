@@ -26,7 +26,14 @@ from ..scp.distances import Distance
 from ..scp.experiment import REST_STEPS
 from ..scp.world import World
 from ..seeding import generator
-from .arguments import check_thresholds, check_whole_number, resolve_distance, try_distance
+from .arguments import (
+    check_thresholds,
+    check_whole_number,
+    default_thresholds,
+    resolve_distance,
+    try_distance,
+)
+from .controls import COLUMNS, has_controls
 from .measurement import Measurement, Settings, same_measurement
 from .running import (
     Protocol,
@@ -38,6 +45,8 @@ from .running import (
 
 SAVE_EVERY = 10.0
 """Seconds between two writes of the file given as `resume`. Chosen: a kill loses little."""
+MOST_REST = 100
+"""Most steps of rest in a world that tells when it is still. Chosen: Pusher needs about 75."""
 CHECK_TRIES, CHECK_LENGTH = 2, 5
 """Random starts of the check before a measurement, and actions from each. Chosen: a few seconds for
 the slowest world."""
@@ -47,11 +56,11 @@ def measure(
     world: Any,
     n: int = 300,
     length: int = 50,
-    distance: str | Distance = "mse",
-    thresholds: float | Sequence[float] = (0.0,),
+    distance: str | Distance | None = None,
+    thresholds: float | Sequence[float] | None = None,
     seed: int = 0,
     *,
-    rest_steps: int = REST_STEPS,
+    rest_steps: int | None = None,
     workers: int = 1,
     resume: str | Path | None = None,
     progress: bool | None = None,
@@ -71,16 +80,18 @@ def measure(
         Start situations, at least 1.
     length : int
         Actions in a sequence, at least 1.
-    distance : {"mse", "vgg16"} or callable
-        Mean squared error, squared distance of VGG16 features (for images), or a function of two
-        observations that returns a float of at least 0.
-    thresholds : float or sequence of float
-        Largest distances that count as equal; they can be changed afterwards,
-        :meth:`.Measurement.with_thresholds`.
+    distance : {"mse", "scaled", "vgg16"} or callable, optional
+        Mean squared error (the default), root mean square in units of each sensor's spread (the
+        default for Gymnasium environments), squared distance of VGG16 features (for images), or a
+        function of two observations that returns a float of at least 0.
+    thresholds : float or sequence of float, optional
+        Largest distances that count as equal; by default 0, with ``scaled`` .01 and .1. They can be
+        changed afterwards, :meth:`.Measurement.with_thresholds`.
     seed : int
         Determines starts, sequences and orders. Experiment i is the same for every `n`.
-    rest_steps : int
-        Steps without a command at the end of each order, so that the agent is at rest.
+    rest_steps : int, optional
+        Steps without a command at the end of each order, so that the agent is at rest; by default
+        3. A Gymnasium environment rests until it is still, by default for at most 100 steps.
     workers : int
         Processes. Their number does not change the result.
     resume : path, optional
@@ -107,18 +118,20 @@ def measure(
     n = check_whole_number("n", n, 1)
     length = check_whole_number("length", length, 1)
     seed = check_whole_number("seed", seed, 0)
-    rest_steps = check_whole_number("rest_steps", rest_steps, 0)
     workers = check_whole_number("workers", workers, 1, 1024)
-    thresholds = check_thresholds(thresholds)
-    name, function = resolve_distance(distance)
     measured = as_world(world)
+    if rest_steps is None:
+        rest_steps = MOST_REST if has_controls(measured) else REST_STEPS
+    rest_steps = check_whole_number("rest_steps", rest_steps, 0)
+    name, function = resolve_distance(distance, measured)
+    thresholds = check_thresholds(default_thresholds(name) if thresholds is None else thresholds)
     if not len(measured.dofs):
         raise ArgumentError(
             f"world: {type(measured).__name__} has no degrees of freedom; set dofs to a tuple of "
             "Dof"
         )
     if check:
-        check_world(measured, CHECK_TRIES, CHECK_LENGTH, seed, rest_steps).raise_if_failed()
+        check_world(measured, CHECK_TRIES, CHECK_LENGTH, seed).raise_if_failed()
         try_distance(measured, function, seed, CHECK_LENGTH, rest_steps)
     settings = Settings(
         world=getattr(measured, "name", type(measured).__name__),
@@ -129,16 +142,20 @@ def measure(
         start_sha256=_start_digest(measured, seed),
     )
     dofs = tuple(measured.dofs)
-    distances = np.full((n, len(dofs)), np.nan)
+    columns = tuple(COLUMNS) if has_controls(measured) else ("distance",)
+    results = np.full((n, len(dofs), len(columns)), np.nan)
     file = None if resume is None else Path(resume)
     if file is not None:
-        _read_finished(file, settings, [dof.name for dof in dofs], distances)
+        _read_finished(file, settings, [dof.name for dof in dofs], columns, results)
+
+    choices = tuple(getattr(measured, "choices", ()))
 
     def result(finished: np.ndarray) -> Measurement:
-        return Measurement(finished, dofs, thresholds, settings)
+        controls = {column: finished[..., k] for k, column in enumerate(columns) if k}
+        return Measurement(finished[..., 0], dofs, thresholds, settings, controls, choices)
 
     protocol = Protocol(seed, length, rest_steps, function)
-    missing = missing_experiments(distances)
+    missing = missing_experiments(results[..., 0])
     if workers > 1 and len(missing) > 1:
         make_world = _Factory(measured) if measured is world else _Factory(world)
         played = play_in_parallel(make_world, protocol, missing, min(workers, len(missing)))
@@ -147,12 +164,12 @@ def measure(
     saved = time.monotonic()
     with progress_bar(n, n - len(missing), settings.world, "start", progress) as bar:
         for i, row in _checked(played, function, settings.world):
-            distances[i] = row
+            results[i] = row
             bar.update()
             if file is not None and time.monotonic() - saved >= SAVE_EVERY:
-                _save_finished(file, result, distances)
+                _save_finished(file, result, results)
                 saved = time.monotonic()
-    measurement = result(distances)
+    measurement = result(results)
     if file is not None and (missing or not file.exists()):
         measurement.save(file)
     return measurement
@@ -175,23 +192,27 @@ def _start_digest(world: World, seed: int) -> str:
 
 
 def _checked(
-    played: Iterator[tuple[int, list[float]]], distance: Distance, world: str
-) -> Iterator[tuple[int, list[float]]]:
-    """Pass distances on; raises ArgumentError for one that is NaN or negative."""
+    played: Iterator[tuple[int, np.ndarray]], distance: Distance, world: str
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Pass rows on; raises ArgumentError for a distance that is NaN or negative."""
     for i, row in played:
-        if not all(value >= 0 for value in row):
-            wrong = next(value for value in row if not value >= 0)
+        wrong = row[~(row[:, 0] >= 0), 0]
+        if len(wrong):
             raise ArgumentError(
-                f"distance: was {wrong!r} in experiment {i} of {world}; expected a number of at "
-                "least 0: check the observations and the function"
+                f"distance: was {float(wrong[0])!r} in experiment {i} of {world}; expected a "
+                "number of at least 0: check the observations and the function"
             )
         yield i, row
 
 
 def _read_finished(
-    file: Path, settings: Settings, names: Sequence[str], distances: np.ndarray
+    file: Path,
+    settings: Settings,
+    names: Sequence[str],
+    columns: Sequence[str],
+    results: np.ndarray,
 ) -> None:
-    """Fill `distances` with what `file` holds, if it exists."""
+    """Fill `results` with what `file` holds, if it exists."""
     if not file.exists():
         if not file.parent.is_dir():
             raise ArgumentError(f"resume: there is no folder {file.parent}; create it")
@@ -206,15 +227,17 @@ def _read_finished(
             f"resume: {file} holds another measurement: {different}; choose another file or the "
             "same settings"
         )
-    rows = min(len(found), len(distances))
-    distances[:rows] = found.distances[:rows]
+    rows = min(len(found), len(results))
+    for k, column in enumerate(columns):
+        values = found.controls[column] if k else found.distances
+        results[:rows, :, k] = values[:rows]
 
 
 def _save_finished(
-    file: Path, result: Callable[[np.ndarray], Measurement], distances: np.ndarray
+    file: Path, result: Callable[[np.ndarray], Measurement], results: np.ndarray
 ) -> None:
     """Write the experiments up to the first that is missing."""
-    missing = missing_experiments(distances)
-    finished = distances[: missing[0]] if missing else distances
+    missing = missing_experiments(results[..., 0])
+    finished = results[: missing[0]] if missing else results
     if len(finished):
         result(finished).save(file)

@@ -17,9 +17,11 @@ from ..scp.estimate import estimate_scp
 from ..scp.world import Dof
 from ..storage.columns import FLOAT, INT, TEXT, Column
 from ..storage.provenance import environment
-from ..storage.tables import read_metadata, read_table, write_table
+from ..storage.tables import has_column, read_metadata, read_table, write_table
+from . import controls
 from .arguments import check_thresholds
 from .order import DofOrder, order_dofs
+from .report import add_report, describe_report
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,6 +33,15 @@ COLUMNS = (
     Column("dof", TEXT, "", "degree of freedom that acted", key=True),
     Column("distance", FLOAT, "1", "distance of the two final observations"),
 )
+CONTROLLED = (
+    *COLUMNS,
+    *(
+        Column(name, FLOAT, "1", text, nullable=True)
+        for name, text in controls.COLUMNS.items()
+        if name != "distance"
+    ),
+)
+"""With the controls of an environment."""
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 """Of the thresholds in a figure: colours that colour-blind readers can tell apart (Okabe and Ito
 2008, https://jfly.uni-koeln.de/color)."""
@@ -73,6 +84,11 @@ class Measurement:
     thresholds : tuple of float
         Largest distances that count as equal.
     settings : Settings
+    controls : mapping of str to float64 (n, n_dofs)
+        What the controls of an environment measured (:data:`.controls.COLUMNS`); empty for a world
+        without them.
+    choices : tuple of str
+        What was chosen for an environment, and why, for people.
     provenance : mapping of str to str
         Code, platform and packages that measured.
     """
@@ -81,6 +97,8 @@ class Measurement:
     dofs: tuple[Dof, ...]
     thresholds: tuple[float, ...]
     settings: Settings
+    controls: Mapping[str, np.ndarray] = field(default_factory=dict)
+    choices: tuple[str, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=environment)
 
     def __len__(self) -> int:
@@ -94,21 +112,24 @@ class Measurement:
 
     @cached_property
     def experiments(self) -> pd.DataFrame:
-        """One row per SC-experiment: experiment, dof, distance."""
+        """One row per SC-experiment: experiment, dof, distance, and the controls, if any."""
         n, n_dofs = self.distances.shape
         return pd.DataFrame(
             dict(
                 experiment=np.repeat(np.arange(n), n_dofs),
                 dof=np.tile(np.array(self.names, object), n),
                 distance=self.distances.ravel(),
+                **{name: values.ravel() for name, values in self.controls.items()},
             )
         )
 
     @cached_property
     def table(self) -> pd.DataFrame:
         """One row per degree of freedom and threshold: dof, threshold, n, commuted, scp, ci_low,
-        ci_high (95 %, Wilson)."""
-        return estimate_scp(self.experiments, ["dof"], self.thresholds)
+        ci_high (95 %, Wilson); for an environment also the columns of :func:`.report.add_report`.
+        """
+        table = estimate_scp(self.experiments, ["dof"], self.thresholds)
+        return add_report(table, self.distances, self.controls, self.names)
 
     def with_thresholds(self, *thresholds: float) -> Measurement:
         """Return the same experiments with other thresholds; nothing is played again."""
@@ -177,8 +198,10 @@ class Measurement:
             thresholds=list(self.thresholds),
             dofs=[asdict(dof) for dof in self.dofs],
         )
+        contents["choices"] = list(self.choices)
         metadata = {TABLE: json.dumps(contents), **self.provenance}
-        write_table(path, TABLE, COLUMNS, self.experiments, metadata)
+        columns = CONTROLLED if self.controls else COLUMNS
+        write_table(path, TABLE, columns, self.experiments, metadata)
         return path
 
     @classmethod
@@ -191,7 +214,9 @@ class Measurement:
             If the file is missing, damaged, incomplete, or something else.
         """
         path = Path(path)
-        frame, metadata = read_table(path, TABLE, COLUMNS), read_metadata(path)
+        controlled = has_column(path, CONTROLLED[-1].name)
+        frame = read_table(path, TABLE, CONTROLLED if controlled else COLUMNS)
+        metadata = read_metadata(path)
         try:
             contents = json.loads(metadata.pop(TABLE))
             dofs = tuple(Dof(**dof) for dof in contents["dofs"])
@@ -210,7 +235,12 @@ class Measurement:
             raise TableError(f"{path}: experiments are missing or out of order; measure again")
         metadata.pop("table", None)
         distances = frame["distance"].to_numpy().reshape(n, len(dofs))
-        return cls(distances, dofs, thresholds, settings, metadata)
+        controls = {
+            column.name: frame[column.name].to_numpy().reshape(n, len(dofs))
+            for column in (CONTROLLED[len(COLUMNS) :] if controlled else ())
+        }
+        choices = tuple(contents["choices"])
+        return cls(distances, dofs, thresholds, settings, controls, choices, metadata)
 
     def __str__(self) -> str:
         settings = self.settings
@@ -226,6 +256,8 @@ class Measurement:
             threshold = f"  {row.threshold:>9g}" if thresholds else ""
             interval = f"[{row.ci_low:.3f}, {row.ci_high:.3f}]"
             lines.append(f"{row.dof:{width}}{threshold}  {row.scp:5.3f}  {interval}")
+        if self.controls:
+            lines = [lines[0], *self.choices, *describe_report(self.table, self.thresholds)]
         return "\n".join(lines)
 
     __repr__ = __str__

@@ -17,6 +17,7 @@ from ..scp.distances import Distance
 from ..scp.experiment import distances_per_dof
 from ..scp.world import World
 from ..seeding import seed_for
+from .controls import has_controls, play_with_controls
 
 CHUNKS_PER_WORKER = 64
 """Chunks into which the experiments of a worker are cut, so that all end at about the same time.
@@ -51,14 +52,20 @@ def experiment_seed(seed: int, i: int) -> int:
 
 def play_experiments(
     world: World, protocol: Protocol, experiments: Sequence[int]
-) -> Iterator[tuple[int, list[float]]]:
-    """Yield the number of each experiment and its distances, one per degree of freedom."""
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Yield the number of each experiment and its row: float64 (n_dofs, columns).
+
+    The first column is the distance; a world with controls has all of :data:`.controls.COLUMNS`.
+    """
+    _, length, rest_steps, distance = protocol
     for i in experiments:
         seed = experiment_seed(protocol.seed, i)
-        distances = distances_per_dof(
-            world, seed, protocol.length, protocol.distance, protocol.rest_steps
-        )
-        yield i, list(distances.values())
+        if has_controls(world):
+            controlled: Any = world
+            yield i, play_with_controls(controlled, seed, length, distance, rest_steps, i)
+        else:
+            row = distances_per_dof(world, seed, length, distance, rest_steps)
+            yield i, np.array(list(row.values()), np.float64)[:, None]
 
 
 def play_in_parallel(
@@ -66,7 +73,7 @@ def play_in_parallel(
     protocol: Protocol,
     experiments: Sequence[int],
     workers: int,
-) -> Iterator[tuple[int, list[float]]]:
+) -> Iterator[tuple[int, np.ndarray]]:
     """As :func:`play_experiments`, in `workers` processes, in the order in which they end.
 
     Where the platform can fork, each process starts with a copy of the parent's memory, so that
@@ -116,10 +123,13 @@ def _start_worker(make_world: Callable[[], Any], protocol: Protocol) -> None:
     global _worker
     if "torch" in sys.modules:  # threads do not survive a fork
         sys.modules["torch"].set_num_threads(1)
-    _worker = make_world(), protocol
+    world: Any = make_world()
+    if hasattr(world, "enter_process"):
+        world.enter_process()
+    _worker = world, protocol
 
 
-def _play_chunk(experiments: Sequence[int]) -> list[tuple[int, list[float]]]:
+def _play_chunk(experiments: Sequence[int]) -> list[tuple[int, np.ndarray]]:
     return list(play_experiments(*_worker, experiments))
 
 

@@ -14,7 +14,15 @@ import numpy as np
 from ..seeding import generator
 from .distances import Distance, mean_squared_error
 from .sequences import check_sequence, compose, no_op, permute, sample_sequence
-from .world import EventReporter, Observation, Snapshot, World, play
+from .world import (
+    EventReporter,
+    Observation,
+    Resting,
+    SequenceLimiter,
+    Snapshot,
+    World,
+    play,
+)
 
 REST_STEPS = 3
 """Steps without a command that end each order, so that the agent is at rest when its sensors are
@@ -56,7 +64,8 @@ def play_order(
         Of `world`.
     sequence : float (steps, n_dofs), in [-1, 1]
     rest_steps : int
-        Steps without a command at the end.
+        Steps without a command at the end; at most so many in a world that tells when it is still
+        (:class:`~sensory_commutativity.scp.world.Resting`).
 
     Raises
     ------
@@ -65,7 +74,11 @@ def play_order(
     """
     check_sequence(sequence, len(world.dofs))
     world.restore(start)
-    play(world, compose(sequence, no_op(rest_steps, sequence.shape[1])))
+    if isinstance(world, Resting):
+        play(world, sequence)
+        world.rest(rest_steps)
+    else:
+        play(world, compose(sequence, no_op(rest_steps, sequence.shape[1])))
 
 
 def iterate_order(
@@ -114,11 +127,13 @@ def commutation_experiment(
 
 
 def orders_per_dof(
-    world: World, seed: int, length: int
+    world: World, seed: int, length: int, start: Snapshot = None
 ) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     """Yield a random sequence and a random permutation of it for every degree of freedom.
 
-    Each degree of freedom has a random stream of its own, keyed by its name.
+    Each degree of freedom has a random stream of its own, keyed by its name. A world that can keep
+    sequences from reaching a stop (:class:`~sensory_commutativity.scp.world.SequenceLimiter`) does
+    so, if `start` is given.
 
     Yields
     ------
@@ -128,6 +143,8 @@ def orders_per_dof(
     for k, dof in enumerate(world.dofs):
         rng = generator(seed, "sequence", dof.name)
         sequence = sample_sequence(rng, length, k, len(world.dofs))
+        if start is not None and isinstance(world, SequenceLimiter):
+            sequence = world.limit(start, sequence)
         yield dof.name, sequence, permute(rng, sequence)
 
 
@@ -161,7 +178,7 @@ def endings_per_dof(
 
     return {
         dof: compare_orders(world, start, sequence, permuted, rest_steps, observe)
-        for dof, sequence, permuted in orders_per_dof(world, seed, length)
+        for dof, sequence, permuted in orders_per_dof(world, seed, length, start)
     }
 
 
@@ -177,5 +194,5 @@ def distances_per_dof(
     start = world.snapshot()
     return {
         dof: distance(*compare_orders(world, start, sequence, permuted, rest_steps))
-        for dof, sequence, permuted in orders_per_dof(world, seed, length)
+        for dof, sequence, permuted in orders_per_dof(world, seed, length, start)
     }

@@ -94,6 +94,22 @@ class EventReporter(Protocol):
         """Return what happened since the last :meth:`World.restore` or :meth:`World.reset`."""
 
 
+@runtime_checkable
+class Resting(Protocol):
+    """A world that can tell when it has come to rest."""
+
+    def rest(self, most: int) -> None:
+        """Command nothing until nothing moves, for at most `most` steps."""
+
+
+@runtime_checkable
+class SequenceLimiter(Protocol):
+    """A world that can keep sequences from reaching a stop of its degrees of freedom."""
+
+    def limit(self, start: Snapshot, sequence: np.ndarray) -> np.ndarray:
+        """Return `sequence`, scaled so that no order of it reaches a stop from `start`."""
+
+
 def play(world: World, actions: np.ndarray) -> None:
     """Play `actions`, float array of shape (steps, len(dofs)), one after the other."""
     if isinstance(world, SequencePlayer):

@@ -96,3 +96,11 @@ def read_metadata(path: Path) -> dict[str, str]:
     """Metadata of a Parquet file: name of the table and where it comes from."""
     metadata = pq.read_schema(path).metadata or {}
     return {key.decode(): value.decode() for key, value in metadata.items()}
+
+
+def has_column(path: Path, name: str) -> bool:
+    """Whether a file is a table with this column; False if it cannot be read."""
+    try:
+        return name in pq.read_schema(path).names
+    except (pa.ArrowException, OSError, UnicodeDecodeError):
+        return False
