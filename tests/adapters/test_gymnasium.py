@@ -11,6 +11,7 @@ from sensory_commutativity import (
     ArgumentError,
     Corridor,
     FlatlandWorld,
+    WorldError,
     as_world,
     check_world,
     from_gymnasium,
@@ -53,7 +54,7 @@ def test_the_adapter_measures_what_the_world_itself_does() -> None:
     env = gym.make(ENVIRONMENT_ID)
     assert check_world(as_world(env), tries=3).passed
     table = measure(env, n=3, length=5).table
-    assert len(table) == len(FlatlandWorld().dofs)
+    assert len(table) == 2 * len(FlatlandWorld().dofs)
 
 
 def test_actions_reach_the_ends_of_their_range_and_zero_commands_zero() -> None:
@@ -69,19 +70,21 @@ def test_actions_reach_the_ends_of_their_range_and_zero_commands_zero() -> None:
     assert moved == [[4, 1], [-2, 0], [0, 0], [4, 0.5]]
 
 
-def test_an_episode_that_ends_stays_at_its_last_observation() -> None:
+def test_an_episode_that_terminates_goes_on_and_says_so() -> None:
     env = Reach()
-    env.ends_after = 2
     world = from_gymnasium(env)
+    env.ends_after = 62  # two steps after the start
     world.reset(np.random.default_rng(0))
     start = world.snapshot()
     for _ in range(2):
         world.step(np.ones(2))
+    assert world.happened().terminated
     ended = world.observe()
     world.step(np.ones(2))
-    assert world.happened() and np.array_equal(world.observe(), ended)
+    assert not np.array_equal(world.observe(), ended)
     world.restore(start)
-    assert not world.happened()
+    world.observe()
+    assert not world.happened().terminated
 
 
 def test_environments_that_cannot_be_measured_are_refused() -> None:
@@ -93,8 +96,21 @@ def test_environments_that_cannot_be_measured_are_refused() -> None:
         from_gymnasium(env)
     with pytest.raises(ArgumentError, match=r"sensors: Reach has no 'lidar'; choose from "):
         from_gymnasium(Reach(), sensors=["lidar"])
-    with pytest.raises(ArgumentError, match=r"max_episode_steps"):
-        measure(gym.make("Pendulum-v1", max_episode_steps=6), n=2, length=30)
+
+
+def test_limits_of_steps_are_lifted() -> None:
+    assert len(measure(gym.make("Pendulum-v1", max_episode_steps=6), n=2, length=30)) == 2
+
+
+class Truncates(Reach):
+    def step(self, action):
+        observation, reward, terminated, _, info = super().step(action)
+        return observation, reward, terminated, self.steps > 70, info
+
+
+def test_an_environment_that_truncates_itself_is_refused() -> None:
+    with pytest.raises(WorldError, match=r"truncates"):
+        measure(Truncates(), n=2, length=30)
 
 
 def test_as_world_takes_worlds_and_functions() -> None:

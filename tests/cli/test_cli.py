@@ -188,7 +188,7 @@ ERRORS = {
     "config dance": "No such command 'dance'",
     "config resolve": "Missing argument 'FILES...'",
     "measure": "give a WORLD, or a --robot; --list shows all names",
-    "measure corridr": "did you mean corridor?",
+    "measure corridr": "did you mean the world corridor?",
     "measure CartPole-v1": "env: CartPole-v1 has actions in Discrete(2)",
     "measure corridor -n 0": "n: expected a whole number, at least 1; got 0",
     "measure corridor --distance msd": "did you mean 'mse'?",

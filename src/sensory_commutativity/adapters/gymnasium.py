@@ -18,6 +18,7 @@ from ..scp.world import Dof
 from ..seeding import generator
 from .control import check_action_space, choose_control
 from .player import Played, Player, RemotePlayer
+from .registry import NO_LIMIT
 from .simulators import find_mujoco
 from .snapshots import TRIES, Exactness, choose_snapshots
 
@@ -72,8 +73,8 @@ class GymnasiumWorld:
     Parameters
     ----------
     env : gymnasium.Env
-        With actions in a Box with finite bounds. Its model may be edited. Limits of steps
-        (TimeLimit) have to be longer than a sequence.
+        With actions in a Box with finite bounds. Its model may be edited, and limits of steps
+        (TimeLimit) are lifted. An episode that terminates is continued.
     control : {"auto", "direct", "increments", "servo"}
         See :func:`.choose_control`.
     snapshots : {"auto", "native", "replay", "fork"}
@@ -128,17 +129,20 @@ class GymnasiumWorld:
         self.name = type(env.unwrapped).__name__ if spec is None else spec.id
         check_action_space(env.action_space, self.name)
         self.env, self.avoid_stops, self.accept = env, avoid_stops, accept
+        _lift_limits(env)
         self._prefix, self._hold, self._settle = prefix, hold, settle
         way, self.exactness = choose_snapshots(env, snapshots, tries)
         self.control, reason = choose_control(env, control)
         player = Player(env, self.control)
         self._local = player
         self._player: Player | RemotePlayer = player
+        self._pristine: Any = None
         if way.name == "fork":
             way.close()
             self._player = RemotePlayer(player)
         else:
             player.snapshots = way
+        self._keep_pristine()
         self.choices = [
             f"put back by {way.name} (exact in {self.exactness[-1].exact} of {tries} tries)",
             f"control {self.control.name} ({reason})",
@@ -231,6 +235,7 @@ class GymnasiumWorld:
         """Prepare for use in a process that was forked from the one that made this world."""
         if isinstance(self._player, RemotePlayer):
             self._player = RemotePlayer(self._local)
+            self._keep_pristine()
 
     @property
     def observes_images(self) -> bool:
@@ -244,11 +249,17 @@ class GymnasiumWorld:
 
     # ---- internals ------------------------------------------------------------------------------
 
+    def _keep_pristine(self) -> None:
+        """Keep the situation before all episodes, since some resets do not forget everything."""
+        self._player.reset(0)
+        self._pristine = self._player.snapshot()
+
     def _go_to_start(self, rng: np.random.Generator, keep: bool = False) -> Played:
         seed, n = int(rng.integers(2**31)), self.control.n
         actions = rng.uniform(-1, 1, (-(-self._prefix // self._hold), n)).repeat(self._hold, 0)
         actions = np.concatenate([actions[: self._prefix], np.zeros((self._settle, n))])
         self._touched, self._terminated = frozenset(), False
+        self._player.restore(self._pristine)
         first = self._player.reset(seed)
         played = self._player.play(actions, 0, None, keep)
         self._note(played)
@@ -279,6 +290,15 @@ class GymnasiumWorld:
 def from_gymnasium(env: gymnasium.Env, **options: Any) -> GymnasiumWorld:
     """Return a Gymnasium environment as a world; `options` as for :class:`GymnasiumWorld`."""
     return GymnasiumWorld(env, **options)
+
+
+def _lift_limits(env: gymnasium.Env) -> None:
+    """Let episodes go on, since an order may be longer than the episodes of a task."""
+    wrapper: Any = env
+    while isinstance(wrapper, gymnasium.Wrapper):
+        if isinstance(wrapper, gymnasium.wrappers.TimeLimit):
+            wrapper._max_episode_steps = NO_LIMIT
+        wrapper = wrapper.env
 
 
 def _scale_within(sequence: np.ndarray, start: Situation) -> np.ndarray:

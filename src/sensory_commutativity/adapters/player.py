@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import gymnasium
 import numpy as np
 
+from ..errors import WorldError
 from .control import DirectControl
 from .simulators import ContactReader, MotionReader
 from .snapshots import ForkSnapshots, Snapshots, flatten_observation
@@ -95,7 +96,12 @@ class Player:
         while steps < n + most_rest and quiet < QUIET_STEPS:
             step = self.env.step if self.snapshots is None else self.snapshots.step
             command = self.control.command(actions[steps] if steps < n else nothing)
-            raw, _, ended, *_ = step(command)
+            raw, _, ended, truncated, _ = step(command)
+            if truncated and not ended:
+                raise WorldError(
+                    "the environment truncates its episodes although its TimeLimit was lifted; "
+                    "make it without its own limit of steps"
+                )
             steps += 1
             now = flatten_observation(raw)
             if steps > n and tolerance is not None:

@@ -220,14 +220,16 @@ class ForkSnapshots:
         self._active = _fork_from(snapshot)
 
     def release(self, keep: int = 2) -> None:
-        """End the processes of all but the last `keep` snapshots."""
-        for holder in self._held[: max(len(self._held) - keep, 0)]:
+        """End the processes of all snapshots but the first and the last `keep`."""
+        old = slice(1, max(len(self._held) - keep, 1))
+        for holder in self._held[old]:
             holder.close()
-        del self._held[: max(len(self._held) - keep, 0)]
+        del self._held[old]
 
     def close(self) -> None:
-        self.release(0)
-        self._active.close()
+        for channel in (self._active, *self._held):
+            channel.close()
+        self._held.clear()
 
 
 WAYS: dict[str, Callable[[Any], Any]] = {
