@@ -72,8 +72,8 @@ def test_actions_reach_the_ends_of_their_range_and_zero_commands_zero() -> None:
 
 def test_an_episode_that_terminates_goes_on_and_says_so() -> None:
     env = Reach()
-    world = from_gymnasium(env)
     env.ends_after = 62  # two steps after the start
+    world = from_gymnasium(env)
     world.reset(np.random.default_rng(0))
     start = world.snapshot()
     for _ in range(2):
