@@ -92,6 +92,10 @@ class GymnasiumWorld:
         Takes the Events on the way to a start, and says whether to use it; e.g. to start near
         objects. Starts are drawn until one is accepted.
 
+    approach : callable, optional
+        In place of random actions on the way to a start: takes all sensors, flattened, and a
+        generator, and returns the next action, float (n,).
+
     Attributes
     ----------
     dofs : tuple of Dof
@@ -123,12 +127,14 @@ class GymnasiumWorld:
         hold: int = HOLD,
         settle: int = SETTLE,
         accept: Callable[[Events], bool] | None = None,
+        approach: Callable[[np.ndarray, np.random.Generator], np.ndarray] | None = None,
         tries: int = TRIES,
     ):
         spec = getattr(env, "spec", None)
         self.name = type(env.unwrapped).__name__ if spec is None else spec.id
         check_action_space(env.action_space, self.name)
-        self.env, self.avoid_stops, self.accept = env, avoid_stops, accept
+        self.env, self.avoid_stops = env, avoid_stops
+        self.accept, self.approach = accept, approach
         _lift_limits(env)
         self._prefix, self._hold, self._settle = prefix, hold, settle
         way, self.exactness = choose_snapshots(env, snapshots, tries)
@@ -261,6 +267,13 @@ class GymnasiumWorld:
         self._touched, self._terminated = frozenset(), False
         self._player.restore(self._pristine)
         first = self._player.reset(seed)
+        if self.approach is not None:
+            played = self._player.play(np.zeros((0, n)))
+            for _ in range(self._prefix):
+                action = np.clip(self.approach(played.observation, rng), -1.0, 1.0)
+                played = self._player.play(action[None])
+                self._note(played)
+            actions = actions[self._prefix :]
         played = self._player.play(actions, 0, None, keep)
         self._note(played)
         if keep and played.visited is not None:

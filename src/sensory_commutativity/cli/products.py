@@ -48,7 +48,7 @@ def _command(kind: type[Product], shard_option: str, help_text: str) -> click.Co
         curve: Path | None = None,
     ) -> None:
         if list_names:
-            for product in declarations(kind).values():
+            for product in declarations(kind, optional=True).values():
                 click.echo(f"{product.name:34} {product.title}")
             return
         if name is None:

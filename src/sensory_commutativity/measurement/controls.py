@@ -41,7 +41,9 @@ class ControlledWorld(Protocol):
     """What the controls ask of a world, beyond the protocol World."""
 
     dofs: tuple
-    knows_contacts: bool
+
+    @property
+    def knows_contacts(self) -> bool: ...
 
     def reset(self, rng: np.random.Generator) -> None: ...
     def snapshot(self) -> Snapshot: ...

@@ -11,6 +11,7 @@ from pydantic import Field, StringConstraints, field_validator, model_validator
 
 from ..storage.settings import Name, Section, check_defined
 from .apartment.config import ApartmentConfig
+from .atlas.config import AtlasConfig
 from .flatland.config import FlatlandConfig
 from .navigation.config import NavigationConfig
 from .objects.config import MasksConfig
@@ -31,6 +32,7 @@ class Config(Section):
     apartment: ApartmentConfig
     masks: MasksConfig
     navigation: NavigationConfig
+    atlas: AtlasConfig | None = Field(None, description="Environments of the atlas (make atlas).")
 
     @model_validator(mode="after")
     def _check_navigation(self) -> Config:
@@ -100,5 +102,8 @@ class Config(Section):
 
     def digest(self) -> str:
         """SHA-256 of all settings, hexadecimal; independent of how the file is written."""
-        settings = json.dumps(self.model_dump(mode="json"), sort_keys=True)
+        sections = self.model_dump(mode="json")
+        if self.atlas is None:
+            del sections["atlas"]  # so that a run without an atlas does not depend on it
+        settings = json.dumps(sections, sort_keys=True)
         return hashlib.sha256(settings.encode()).hexdigest()

@@ -15,7 +15,9 @@ from ..storage.hashing import digest
 from .config import Config
 from .declarations import Animation, Arrays, Figure, Model, Product, Shard, Table
 
-STUDIES = ("flatland", "apartment", "objects", "navigation", "paper")
+STUDIES = ("flatland", "apartment", "objects", "navigation", "paper", "atlas")
+OPTIONAL = ("atlas",)
+"""Studies that are run by a target of their own."""
 KINDS: dict[type[Product], str] = {
     Table: "table", Arrays: "arrays", Model: "model", Figure: "figure", Animation: "animation"
 }  # fmt: skip
@@ -39,11 +41,16 @@ def _load(folder: str, name: str) -> Product:
     return getattr(importlib.import_module(module, __package__), name)
 
 
-def declarations(kind: type[P]) -> dict[str, P]:
+def declarations(kind: type[P], optional: bool = False) -> dict[str, P]:
     """All declarations of a kind by name: :class:`.Table`, :class:`.Arrays`, :class:`.Model`,
-    :class:`.Figure` or :class:`.Animation`."""
+    :class:`.Figure` or :class:`.Animation`; with those of OPTIONAL studies if asked for."""
     folders = ("figures",) if kind in (Figure, Animation) else ("tables", "arrays", "models")
-    found = {name: _load(folder, name) for folder in folders for name in _modules(folder)}
+    found = {
+        name: _load(folder, name)
+        for folder in folders
+        for name, study in _modules(folder).items()
+        if optional or study not in OPTIONAL
+    }
     return {name: product for name, product in found.items() if isinstance(product, kind)}
 
 
@@ -60,7 +67,7 @@ def find(kind: type[P], name: str) -> P:
             product = _load(folder, name)
             if isinstance(product, kind):
                 return product
-    close = difflib.get_close_matches(name, declarations(kind), 3)
+    close = difflib.get_close_matches(name, declarations(kind, optional=True), 3)
     kind_name = KINDS[kind]
     hint = f"did you mean {' or '.join(close)}?" if close else "the option --list shows all names"
     raise UserError(f"there is no {kind_name} {name!r}; {hint}")

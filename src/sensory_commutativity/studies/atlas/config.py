@@ -1,0 +1,61 @@
+"""Settings of the atlas: the SCP of standard environments."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from ...storage.settings import NO_EFFECT, Name, Section
+
+
+class EnvironmentConfig(Section):
+    """An environment of the atlas."""
+
+    id: str = Field(min_length=1, max_length=100, description="Name in Gymnasium's registry.")
+    family: str = Field("", max_length=40, description="Heading in the figure.")
+    control: Literal["auto", "direct", "increments", "servo"] = Field(
+        "auto", description="How actions become commands."
+    )
+    snapshots: Literal["auto", "native", "replay", "fork"] = Field(
+        "auto", description="How the environment is put back."
+    )
+    length: int = Field(20, ge=1, le=1000, description="Actions in a sequence.")
+    rest_steps: int = Field(
+        40, ge=0, le=1000, description="Most steps of rest at the end of an order."
+    )
+    avoid_stops: bool = Field(
+        True, description="Whether sequences are scaled so that they reach no joint's stop."
+    )
+    sensors: list[str] | None = Field(
+        None, description="Keys of the observation; null for all; [pixels] for images."
+    )
+    approach: Literal["fetch"] | None = Field(
+        None, description="Scripted way to a start near the object; null for random actions."
+    )
+    options: dict[str, Any] = Field(
+        default_factory=dict, description="Further arguments of gymnasium.make."
+    )
+
+
+class AtlasConfig(Section):
+    """The SCP of standard environments."""
+
+    starts: Annotated[int, Field(ge=2, le=100_000)] = Field(
+        200, description="Start situations of every environment."
+    )
+    thresholds: list[Annotated[float, Field(ge=0)]] = Field(
+        [0.001, 0.01, 0.1], min_length=1,
+        description="Largest distances that count as equal, in units of the sensors' spread.",
+    )  # fmt: skip
+    main_threshold: float = Field(
+        0.1, description="The one of the figure and of the verdicts in the text."
+    )
+    exactness_tries: int = Field(
+        100, ge=1, le=10_000, description="Tries of every way to put an environment back."
+    )
+    environments: dict[Name, EnvironmentConfig] = Field(min_length=1)
+    starts_per_job: int = Field(
+        100, ge=1, le=100_000, description="Starts in a job; changes no result.",
+        json_schema_extra=NO_EFFECT,
+    )  # fmt: skip
