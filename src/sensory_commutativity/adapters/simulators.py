@@ -101,6 +101,11 @@ def free_object_positions(model: Any) -> np.ndarray:
         if model.actuator_trntype[i] == mujoco.mjtTrn.mjTRN_JOINT:
             actuated.add(int(model.actuator_trnid[i, 0]))
     roots = {int(model.body_rootid[model.jnt_bodyid[joint]]) for joint in actuated}
+    for i in range(model.neq):  # a body that is welded to a mocap body, as Fetch's gripper is
+        if model.eq_type[i] == mujoco.mjtEq.mjEQ_WELD:
+            pair = [int(model.eq_obj1id[i]), int(model.eq_obj2id[i])]
+            if any(model.body_mocapid[body] >= 0 for body in pair):
+                roots |= {int(model.body_rootid[body]) for body in pair}
     indices: list[int] = []
     for joint in range(model.njnt):
         root = int(model.body_rootid[model.jnt_bodyid[joint]])

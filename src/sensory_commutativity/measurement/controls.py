@@ -21,6 +21,7 @@ COLUMNS = {
     "noise": "distance of the endings of one order with two states of the generator",
     "touched": "1 if bodies touched in an order that do not touch without commands",
     "moved": "1 if a free object ended elsewhere in the other order",
+    "amplitude": "largest action of the sequence, after scaling it to stay off the stops",
     "rest_steps": "steps of rest, mean of both orders",
     "not_still": "share of both orders that did not come to rest",
     "terminated": "1 if the episode terminated in one of the orders",
@@ -111,6 +112,7 @@ def play_with_controls(
         if events[0].positions.size:
             shift = np.abs(events[0].positions - events[1].positions)
             row["moved"] = float(shift.max() > MOVED)
+        row["amplitude"] = float(np.abs(sequence).max())
         row["rest_steps"] = float(np.mean([event.rest_steps for event in events]))
         row["not_still"] = float(np.mean([not event.still for event in events]))
         row["terminated"] = float(any(event.terminated for event in events))

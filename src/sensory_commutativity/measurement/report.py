@@ -25,6 +25,8 @@ FORCES = 0.5
 order matters then nearly as much as the actions themselves."""
 NOISY = 0.5
 """Noise over distance, at their medians, from which on the step counts as noisy. Chosen."""
+NO_ROOM = 0.05
+"""Mean amplitude of the sequences below which an action was hardly tried. Chosen."""
 FEW = 0.1
 """Share of experiments that may be without rest, or terminate, before a row says so. Chosen."""
 
@@ -59,7 +61,8 @@ def add_report(
         experiments that touched nothing; NaN where contacts are not known), touched (share), area
         (:func:`area_under_curve`), order_over_actions (median distance of two orders over that of
         two unrelated sequences), noise_over_order (median distance of the same order with other
-        noise, over that of the two orders), rest_steps (mean), not_still and terminated (shares),
+        noise, over that of the two orders), amplitude (mean largest action of the sequences, which
+        are scaled to stay off the stops), rest_steps (mean), not_still and terminated (shares),
         reaches_stop (share of sequences of which an order could reach a stop), repeated (share of
         starts whose first order, repeated, ended equal), verdict.
     """
@@ -87,6 +90,7 @@ def _row(distance: np.ndarray, controls: Mapping[str, np.ndarray], threshold: fl
         area=area_under_curve(distance),
         order_over_actions=_ratio(distance, controls["unrelated"]),
         noise_over_order=_ratio(controls["noise"], distance),
+        amplitude=_mean(controls["amplitude"]),
         rest_steps=_mean(controls["rest_steps"]),
         not_still=_mean(controls["not_still"]),
         terminated=_mean(controls["terminated"]),
@@ -102,6 +106,8 @@ def verdict(
 ) -> str:
     """Say in a few words what a row shows, or why it shows nothing."""
     tried = unrelated[~np.isnan(unrelated)]
+    if row["amplitude"] < NO_ROOM:
+        return "undefined: starts at a stop, with no room to move"
     if not distance.any() and len(tried) and not tried.any():
         return "dead: the action changes nothing that is sensed"
     if row["repeated"] < 1:

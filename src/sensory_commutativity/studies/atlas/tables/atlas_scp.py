@@ -44,6 +44,7 @@ def _share(name: str, text: str) -> Column:
         _share("area", "area under P(distance <= t) over log t, from 1e-4 to 1"),
         _share("order_over_actions", "median distance of two orders over that of two sequences"),
         _share("noise_over_order", "median distance of one order under other noise, over that"),
+        _share("amplitude", "mean largest action of the sequences, scaled to stay off the stops"),
         _share("rest_steps", "mean steps of rest"),
         _share("not_still", "share of orders that did not come to rest"),
         _share("terminated", "share of experiments in which the episode terminated"),
