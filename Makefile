@@ -11,7 +11,7 @@ SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet host reason --rerun-incom
 UNLOCK := pgrep -f '[b]in/snakemake' > /dev/null || $(BIN)/python -m snakemake --unlock --quiet all  # the pattern must not match this line itself
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: all default paper bench scaling replay test coverage lint format lock schema clean help
+.PHONY: all default paper atlas bench scaling replay test coverage lint format lock schema clean help
 .DEFAULT_GOAL := default
 
 all: default
@@ -31,6 +31,10 @@ paper: $(READY)  ## run the paper's sizes (committed under results/paper)
 	@$(UNLOCK)
 	$(SNAKEMAKE) --configfile config/paper.yaml --report results/paper/report.html
 	@echo "figures: results/paper/figures; report: results/paper/report.html"
+
+atlas: $(READY)  ## SCP of 31 standard environments (two hours of a core)
+	@$(UNLOCK)
+	$(SNAKEMAKE) --configfile config/atlas.yaml -- atlas
 
 bench: $(READY)  ## measure speed and print a table
 	$(BIN)/python benchmarks/bench.py

@@ -37,7 +37,9 @@ _MODULES = {
     "worlds.flatland.world": ("FlatlandWorld",),
     "worlds.apartment.world": ("ApartmentWorld",),
     "change_detection.predict": ("Change", "predict_change"),
-    "navigation.action_spaces": ("ScaledAction", "VectorScaledAction", "action_scales"),
+    "navigation.action_spaces": (
+        "ScaledAction", "VectorScaledAction", "action_scales", "wrap_action_space",
+    ),
     "seeding": ("generator", "seed_for"),
     "errors": ("ArgumentError", "MissingExtraError", "UserError", "WorldError"),
 }  # fmt: skip

@@ -10,6 +10,7 @@ from gymnasium import spaces
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import SyncVectorEnv
 
+from sensory_commutativity import from_gymnasium, make_environment, measure
 from sensory_commutativity.navigation.action_spaces import (
     ACTION_SPACES,
     ScaledAction,
@@ -17,6 +18,7 @@ from sensory_commutativity.navigation.action_spaces import (
     VectorScaledAction,
     action_scales,
     scp_from_table,
+    wrap_action_space,
 )
 from tests.navigation.small import SCALES, TASK
 
@@ -177,3 +179,17 @@ def test_missing_repeated_and_invalid_scps_are_rejected():
     ]:
         with pytest.raises(ScpError, match=message):
             scp_from_table(table, list("abc"), "w", "x", 50)
+
+
+def test_an_environment_is_wrapped_by_a_measurement_in_one_call():
+    env = make_environment("Reacher-v5")
+    measured = measure(from_gymnasium(make_environment("Reacher-v5")), n=3, length=5)
+    assert wrap_action_space(env, measured, "full").action_space.shape == (2,)
+    pusher = make_environment("Pusher-v5")  # whose actions lie in [-2, 2]
+    scp = {f"joint-{i}": 0.1 * i for i in range(7)}
+    reduced = wrap_action_space(pusher, scp)
+    assert reduced.action_space.shape == (4,)
+    reduced.reset(seed=0)
+    reduced.step(reduced.action_space.sample())
+    with pytest.raises(ValueError, match="scales have the shape"):
+        wrap_action_space(env, scp)

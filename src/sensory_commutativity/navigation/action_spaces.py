@@ -17,6 +17,7 @@ matters or any reduction helps: `random-half` and `inverse`.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Protocol, runtime_checkable
 
 import gymnasium as gym
 import numpy as np
@@ -28,6 +29,14 @@ from ..errors import UserError
 
 Scp = Mapping[str, float]
 """Degree of freedom -> SCP in [0, 1], in the order of the environment's actions."""
+
+
+@runtime_checkable
+class SupportsScp(Protocol):
+    """What has SCPs, such as a Measurement."""
+
+    def scp(self) -> Scp:
+        """SCP of each degree of freedom."""
 
 
 class ScpError(UserError):
@@ -245,6 +254,40 @@ class ScaledAction(gym.ActionWrapper):
 
     def action(self, action: np.ndarray) -> np.ndarray:
         return self._scaling.expand(action)
+
+
+def wrap_action_space(
+    env: gym.Env,
+    scp: Scp | SupportsScp,
+    action_space: str = "truncated",
+    rng: np.random.Generator | None = None,
+) -> ScaledAction:
+    """Wrap an environment in the action space that its SCPs make.
+
+    Parameters
+    ----------
+    env : gymnasium.Env
+        With bounded continuous actions; they are rescaled to [-1, 1] if need be.
+    scp : mapping of str to float, or Measurement
+        SCP of each action, in the order of the actions.
+    action_space : str
+        A key of ACTION_SPACES.
+    rng : Generator, optional
+        Required by ``random-half``.
+
+    Raises
+    ------
+    ValueError
+        If the number of SCPs is not that of the actions, or the action space is unknown.
+    """
+    values: Scp = scp.scp() if isinstance(scp, SupportsScp) else scp
+    scales = list(action_scales(action_space, values, rng).values())
+    space = env.action_space
+    if isinstance(space, spaces.Box) and not (
+        np.allclose(space.low, -1) and np.allclose(space.high, 1)
+    ):
+        env = gym.wrappers.RescaleAction(env, np.float32(-1), np.float32(1))
+    return ScaledAction(env, scales)
 
 
 class VectorScaledAction(gym.vector.VectorActionWrapper):

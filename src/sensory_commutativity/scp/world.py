@@ -54,7 +54,9 @@ class World(Protocol):
 
     The SC-experiment rests on two promises, and every world of this package is tested for both: a
     replay from a restored snapshot is *bit-identical*, and in empty unbounded space every degree
-    of freedom commutes.
+    of freedom commutes. :func:`~sensory_commutativity.scp.check.check_world` tests the first.
+
+    An attribute ``name``, if there is one, is used in tables and titles.
     """
 
     dofs: tuple[Dof, ...]
