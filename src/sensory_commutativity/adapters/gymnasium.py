@@ -326,14 +326,18 @@ def _scale_within(sequence: np.ndarray, start: Situation) -> np.ndarray:
 
 
 def _name_dofs(env: gymnasium.Env, n: int) -> tuple[Dof, ...]:
-    """One degree of freedom per action, named after MuJoCo's actuators if they have names."""
+    """One degree of freedom per action, named after MuJoCo's actuator, or else after its joint."""
     names = [f"action-{i}" for i in range(n)]
     simulator = find_mujoco(env)
     if simulator is not None and simulator.model.nu == n:
         import mujoco
 
-        kind = mujoco.mjtObj.mjOBJ_ACTUATOR
-        found = [mujoco.mj_id2name(simulator.model, kind, i) or "" for i in range(n)]
+        model, kinds = simulator.model, mujoco.mjtObj
+        on_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
+        found = [mujoco.mj_id2name(model, kinds.mjOBJ_ACTUATOR, i) or "" for i in range(n)]
+        for i in np.flatnonzero(on_joint):
+            joint = mujoco.mj_id2name(model, kinds.mjOBJ_JOINT, int(model.actuator_trnid[i, 0]))
+            found[i] = found[i] or joint or ""
         if all(found) and len(set(found)) == n:
             names = found
     return tuple(Dof(name, "1", 1.0) for name in names)

@@ -82,6 +82,7 @@ def _row(distance: np.ndarray, controls: Mapping[str, np.ndarray], threshold: fl
     n = len(untouched)
     low, high = wilson_interval(untouched.sum(), n) if n else (np.nan, np.nan)
     row = dict(
+        scp=float(commutes(distance, threshold).mean()),
         scp_untouched=untouched.mean() if n else np.nan,
         untouched_low=float(low),
         untouched_high=float(high),
@@ -97,13 +98,12 @@ def _row(distance: np.ndarray, controls: Mapping[str, np.ndarray], threshold: fl
         reaches_stop=_mean(controls["reaches_stop"]),
         repeated=_mean(controls["repeated"]),
     )
-    row["verdict"] = verdict(row, distance, controls["unrelated"], threshold)
-    return row
+    text = verdict(row, distance, controls["unrelated"])
+    del row["scp"]  # a column of the table already
+    return {**row, "verdict": text}
 
 
-def verdict(
-    row: Mapping[str, float], distance: np.ndarray, unrelated: np.ndarray, threshold: float
-) -> str:
+def verdict(row: Mapping[str, float], distance: np.ndarray, unrelated: np.ndarray) -> str:
     """Say in a few words what a row shows, or why it shows nothing."""
     tried = unrelated[~np.isnan(unrelated)]
     if row["amplitude"] < NO_ROOM:
@@ -125,7 +125,8 @@ def verdict(
     if row["scp_untouched"] >= UNTOUCHED:
         if row["touched"] == 0:
             return "commutes in free space, and touched nothing"
-        return f"shows the effect on the world (touched in {row['touched']:.0%})"
+        effect = "shows an effect on the world" if row["scp"] < 1 else "commutes always"
+        return f"{effect} (touched in {row['touched']:.0%})"
     return f"no effect on the world shown: {_reason(row)}"
 
 
