@@ -73,6 +73,19 @@ def test_workers_resume_and_files_keep_the_controls(tmp_path) -> None:
         assert str(measurement) == str(whole)
 
 
+def test_an_environment_can_be_measured_again_and_by_several_workers() -> None:
+    env = make_environment("Reacher-v5")
+    first = measure(env, n=6, length=5)
+    for again in (measure(env, n=6, length=5), measure(env, n=6, length=5, workers=2),
+                  measure(make_reacher, n=6, length=5, workers=2)):  # fmt: skip
+        assert again.choices == first.choices
+        assert np.array_equal(again.distances, first.distances)
+
+
+def make_reacher():
+    return make_environment("Reacher-v5")
+
+
 def test_a_forked_environment_is_measured_by_several_workers() -> None:
     world = from_gymnasium(make_environment("BipedalWalker-v3"), snapshots="fork", tries=2)
     alone = measure(world, n=4, length=5, rest_steps=5)

@@ -24,6 +24,27 @@ STIFFNESS = 0.1
 of gymnasium's models."""
 
 
+ACTUATOR_FIELDS = (
+    "actuator_gear", "actuator_gainprm", "actuator_biastype", "actuator_biasprm",
+    "actuator_ctrllimited", "actuator_forcelimited", "actuator_forcerange",
+)  # fmt: skip
+"""Fields of MuJoCo's model that a servo edits."""
+_ORIGINAL = "_sensory_commutativity_actuators"
+"""Attribute of an environment that keeps those fields as they were."""
+
+
+def restore_actuators(env: gymnasium.Env) -> None:
+    """Undo what an earlier control edited, so that an environment can be used again."""
+    simulator = find_mujoco(env)
+    if simulator is None:
+        return
+    kept = vars(env.unwrapped).setdefault(
+        _ORIGINAL, {name: getattr(simulator.model, name).copy() for name in ACTUATOR_FIELDS}
+    )
+    for name, content in kept.items():
+        getattr(simulator.model, name)[...] = content
+
+
 def check_action_space(space: Any, name: str) -> None:
     """Raise ArgumentError unless actions are continuous and bounded."""
     if not isinstance(space, spaces.Box):
@@ -194,6 +215,7 @@ def choose_control(env: gymnasium.Env, control: str = "auto") -> tuple[DirectCon
     reason : str
         Why, in a few words.
     """
+    restore_actuators(env)
     if control != "auto":
         if control not in CONTROLS:
             raise ArgumentError(

@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import ArgumentError, WorldError
 from ..scp.world import Dof
 from ..seeding import generator
-from .control import check_action_space, choose_control
+from .control import check_action_space, choose_control, restore_actuators
 from .player import Played, Player, RemotePlayer
 from .registry import NO_LIMIT
 from .simulators import find_mujoco
@@ -73,8 +73,8 @@ class GymnasiumWorld:
     Parameters
     ----------
     env : gymnasium.Env
-        With actions in a Box with finite bounds. Its model may be edited, and limits of steps
-        (TimeLimit) are lifted. An episode that terminates is continued.
+        With actions in a Box with finite bounds; for one world at a time. Its model may be edited,
+        and limits of steps (TimeLimit) are lifted. An episode that terminates is continued.
     control : {"auto", "direct", "increments", "servo"}
         See :func:`.choose_control`.
     snapshots : {"auto", "native", "replay", "fork"}
@@ -137,6 +137,7 @@ class GymnasiumWorld:
         self.accept, self.approach = accept, approach
         _lift_limits(env)
         self._prefix, self._hold, self._settle = prefix, hold, settle
+        restore_actuators(env)
         way, self.exactness = choose_snapshots(env, snapshots, tries)
         self.control, reason = choose_control(env, control)
         player = Player(env, self.control)
@@ -170,11 +171,10 @@ class GymnasiumWorld:
     def reset(self, rng: np.random.Generator) -> None:
         """Reset with a seed from `rng`, and play random actions and a pause."""
         for _ in range(MOST_TRIES):
-            played = self._go_to_start(rng)
+            self._go_to_start(rng)
             if self.accept is None or self.accept(self.happened()):
                 self._touched, self._terminated = frozenset(), False
                 return
-            del played
         raise WorldError(
             f"no start was accepted in {MOST_TRIES} draws; make the condition easier, or the "
             "prefix longer"

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -116,63 +116,140 @@ def measure(
         If the distance needs a package that is not installed.
     """
     n = check_whole_number("n", n, 1)
-    length = check_whole_number("length", length, 1)
-    seed = check_whole_number("seed", seed, 0)
     workers = check_whole_number("workers", workers, 1, 1024)
     measured = as_world(world)
-    if rest_steps is None:
-        rest_steps = MOST_REST if has_controls(measured) else REST_STEPS
-    rest_steps = check_whole_number("rest_steps", rest_steps, 0)
-    name, function = resolve_distance(distance, measured)
+    protocol, name = _choose_protocol(measured, length, distance, seed, rest_steps)
     thresholds = check_thresholds(default_thresholds(name) if thresholds is None else thresholds)
-    if not len(measured.dofs):
-        raise ArgumentError(
-            f"world: {type(measured).__name__} has no degrees of freedom; set dofs to a tuple of "
-            "Dof"
-        )
     if check:
-        check_world(measured, CHECK_TRIES, CHECK_LENGTH, seed).raise_if_failed()
-        try_distance(measured, function, seed, CHECK_LENGTH, rest_steps)
-    settings = Settings(
-        world=getattr(measured, "name", type(measured).__name__),
-        length=length,
-        rest_steps=rest_steps,
-        distance=name,
-        seed=seed,
-        start_sha256=_start_digest(measured, seed),
-    )
-    dofs = tuple(measured.dofs)
-    columns = tuple(COLUMNS) if has_controls(measured) else ("distance",)
-    results = np.full((n, len(dofs), len(columns)), np.nan)
-    file = None if resume is None else Path(resume)
-    if file is not None:
-        _read_finished(file, settings, [dof.name for dof in dofs], columns, results)
-
-    choices = tuple(getattr(measured, "choices", ()))
-
-    def result(finished: np.ndarray) -> Measurement:
-        controls = {column: finished[..., k] for k, column in enumerate(columns) if k}
-        return Measurement(finished[..., 0], dofs, thresholds, settings, controls, choices)
-
-    protocol = Protocol(seed, length, rest_steps, function)
-    missing = missing_experiments(results[..., 0])
+        check_world(measured, CHECK_TRIES, CHECK_LENGTH, protocol.seed).raise_if_failed()
+        try_distance(measured, protocol.distance, protocol.seed, CHECK_LENGTH, protocol.rest_steps)
+    settings = _describe(measured, protocol, name)
+    results = _Results(n, measured, thresholds, settings, None if resume is None else Path(resume))
+    missing = results.missing()
     if workers > 1 and len(missing) > 1:
-        make_world = _Factory(measured) if measured is world else _Factory(world)
-        played = play_in_parallel(make_world, protocol, missing, min(workers, len(missing)))
+        # A function makes a world in every process; another source has been adapted already.
+        source = world if callable(world) and measured is not world else measured
+        played = play_in_parallel(_Factory(source), protocol, missing, min(workers, len(missing)))
     else:
         played = play_experiments(measured, protocol, missing)
-    saved = time.monotonic()
     with progress_bar(n, n - len(missing), settings.world, "start", progress) as bar:
-        for i, row in _checked(played, function, settings.world):
-            results[i] = row
+        for i, row in _checked(played, settings.world):
+            results.add(i, row)
             bar.update()
-            if file is not None and time.monotonic() - saved >= SAVE_EVERY:
-                _save_finished(file, result, results)
-                saved = time.monotonic()
-    measurement = result(results)
-    if file is not None and (missing or not file.exists()):
-        measurement.save(file)
-    return measurement
+    return results.finish()
+
+
+def _choose_protocol(
+    world: World, length: int, distance: str | Distance | None, seed: int, rest_steps: int | None
+) -> tuple[Protocol, str]:
+    """Check these arguments, with the defaults for `world`; also returns the distance's name."""
+    if not len(world.dofs):
+        raise ArgumentError(
+            f"world: {type(world).__name__} has no degrees of freedom; set dofs to a tuple of Dof"
+        )
+    if rest_steps is None:
+        rest_steps = MOST_REST if has_controls(world) else REST_STEPS
+    name, function = resolve_distance(distance, world)
+    protocol = Protocol(
+        seed=check_whole_number("seed", seed, 0),
+        length=check_whole_number("length", length, 1),
+        rest_steps=check_whole_number("rest_steps", rest_steps, 0),
+        distance=function,
+    )
+    return protocol, name
+
+
+def _describe(world: World, protocol: Protocol, distance: str) -> Settings:
+    """What the distances depend on."""
+    world.reset(generator(experiment_seed(protocol.seed, 0), "situation"))
+    first = np.ascontiguousarray(world.observe())
+    return Settings(
+        world=getattr(world, "name", type(world).__name__),
+        length=protocol.length,
+        rest_steps=protocol.rest_steps,
+        distance=distance,
+        seed=protocol.seed,
+        start_sha256=hashlib.sha256(first.tobytes()).hexdigest(),
+    )
+
+
+class _Results:
+    """Rows of finished experiments, in memory and in a file.
+
+    Parameters
+    ----------
+    n : int
+    world : World
+    thresholds : tuple of float
+    settings : Settings
+    file : Path, optional
+        Is read if it exists, and written every SAVE_EVERY seconds.
+
+    Raises
+    ------
+    ArgumentError
+        If the file holds another measurement, or its folder does not exist.
+    """
+
+    def __init__(
+        self, n: int, world: World, thresholds: tuple[float, ...], settings: Settings,
+        file: Path | None,
+    ):  # fmt: skip
+        self._dofs, self._thresholds, self._settings = tuple(world.dofs), thresholds, settings
+        self._choices = tuple(getattr(world, "choices", ()))
+        self._columns = tuple(COLUMNS) if has_controls(world) else ("distance",)
+        self._rows = np.full((n, len(self._dofs), len(self._columns)), np.nan)
+        self._file, self._saved, self._changed = file, time.monotonic(), False
+        if file is not None:
+            self._read(file)
+
+    def missing(self) -> list[int]:
+        """Numbers of the experiments that are not finished."""
+        return missing_experiments(self._rows[..., 0])
+
+    def add(self, i: int, row: np.ndarray) -> None:
+        """Add the row of experiment `i`, and write the file from time to time."""
+        self._rows[i], self._changed = row, True
+        if self._file is not None and time.monotonic() - self._saved >= SAVE_EVERY:
+            first_missing = next(iter(self.missing()), len(self._rows))
+            if first_missing:
+                self._measurement(first_missing).save(self._file)
+            self._saved = time.monotonic()
+
+    def finish(self) -> Measurement:
+        """Write the file, and return everything."""
+        measurement = self._measurement(len(self._rows))
+        if self._file is not None and (self._changed or not self._file.exists()):
+            measurement.save(self._file)
+        return measurement
+
+    def _measurement(self, n: int) -> Measurement:
+        rows = self._rows[:n]
+        controls = {column: rows[..., k] for k, column in enumerate(self._columns) if k}
+        return Measurement(
+            rows[..., 0], self._dofs, self._thresholds, self._settings, controls, self._choices
+        )
+
+    def _read(self, file: Path) -> None:
+        if not file.exists():
+            if not file.parent.is_dir():
+                raise ArgumentError(f"resume: there is no folder {file.parent}; create it")
+            return
+        try:
+            found = Measurement.load(file)
+        except TableError as error:
+            raise ArgumentError(f"resume: {error}") from None
+        names = [dof.name for dof in self._dofs]
+        different = same_measurement(found, self._settings, names, self._choices)
+        if different:
+            raise ArgumentError(
+                f"resume: {file} holds another measurement: {different}; choose another file or "
+                "the same settings"
+            )
+        n = min(len(found), len(self._rows))
+        for k, column in enumerate(self._columns):
+            values = found.controls[column] if k else found.distances
+            self._rows[:n, :, k] = values[:n]
 
 
 class _Factory:
@@ -185,14 +262,8 @@ class _Factory:
         return as_world(self.source)
 
 
-def _start_digest(world: World, seed: int) -> str:
-    """SHA-256 of the first observation of experiment 0."""
-    world.reset(generator(experiment_seed(seed, 0), "situation"))
-    return hashlib.sha256(np.ascontiguousarray(world.observe()).tobytes()).hexdigest()
-
-
 def _checked(
-    played: Iterator[tuple[int, np.ndarray]], distance: Distance, world: str
+    played: Iterator[tuple[int, np.ndarray]], world: str
 ) -> Iterator[tuple[int, np.ndarray]]:
     """Pass rows on; raises ArgumentError for a distance that is NaN or negative."""
     for i, row in played:
@@ -203,41 +274,3 @@ def _checked(
                 "number of at least 0: check the observations and the function"
             )
         yield i, row
-
-
-def _read_finished(
-    file: Path,
-    settings: Settings,
-    names: Sequence[str],
-    columns: Sequence[str],
-    results: np.ndarray,
-) -> None:
-    """Fill `results` with what `file` holds, if it exists."""
-    if not file.exists():
-        if not file.parent.is_dir():
-            raise ArgumentError(f"resume: there is no folder {file.parent}; create it")
-        return
-    try:
-        found = Measurement.load(file)
-    except TableError as error:
-        raise ArgumentError(f"resume: {error}") from None
-    different = same_measurement(found, settings, names)
-    if different:
-        raise ArgumentError(
-            f"resume: {file} holds another measurement: {different}; choose another file or the "
-            "same settings"
-        )
-    rows = min(len(found), len(results))
-    for k, column in enumerate(columns):
-        values = found.controls[column] if k else found.distances
-        results[:rows, :, k] = values[:rows]
-
-
-def _save_finished(
-    file: Path, result: Callable[[np.ndarray], Measurement], results: np.ndarray
-) -> None:
-    """Write the experiments up to the first that is missing."""
-    missing = missing_experiments(results[..., 0])
-    finished = results[: missing[0]] if missing else results
-    if len(finished):
-        result(finished).save(file)

@@ -268,9 +268,12 @@ class Measurement:
         return f"<p>{head}</p>{self.table.to_html(index=False, float_format='%.3f')}"
 
 
-def same_measurement(found: Measurement, settings: Settings, names: Sequence[str]) -> str:
+def same_measurement(
+    found: Measurement, settings: Settings, names: Sequence[str], choices: Sequence[str]
+) -> str:
     """What differs between a kept measurement and the one asked for; empty if nothing does."""
-    asked: dict[str, Any] = {**asdict(settings), "dofs": tuple(names)}
+    asked: dict[str, Any] = {**asdict(settings), "dofs": tuple(names), "choices": tuple(choices)}
     kept: dict[str, Any] = {**asdict(found.settings), "dofs": found.names}
+    kept["choices"] = found.choices
     different = [key for key, value in asked.items() if kept[key] != value]
     return ", ".join(f"{key} {kept[key]} (now {asked[key]})" for key in different)
