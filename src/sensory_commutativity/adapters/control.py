@@ -54,8 +54,8 @@ def check_action_space(space: Any, name: str) -> None:
         )
     if not (np.isfinite(space.low).all() and np.isfinite(space.high).all()):
         raise ArgumentError(
-            f"env: {name} has unbounded actions; wrap it in gymnasium.wrappers.RescaleAction or "
-            "ClipAction"
+            f"env: {name} has unbounded actions; give them bounds with "
+            "gymnasium.wrappers.TransformAction(env, lambda action: action, Box(low, high))"
         )
 
 
@@ -141,6 +141,12 @@ class ServoControl(DirectControl):
         self.motors = np.zeros(0, int) if simulator is None else find_motors(simulator.model)
         if simulator is None or simulator.model.nu != self.n or not len(self.motors):
             raise ArgumentError("control: a servo needs MuJoCo's motors, one per action")
+        wrapper = find_action_wrapper(env)
+        if wrapper is not None:
+            raise ArgumentError(
+                f"control: a servo cannot work through {wrapper}, which changes actions; take the "
+                "wrapper away, or choose control='direct'"
+            )
         self._data = simulator.data
         self._edit(simulator)
 
@@ -191,11 +197,40 @@ CONTROLS: dict[str, type[DirectControl]] = {
 
 
 def find_motors(model: Any) -> np.ndarray:
-    """Indices of the actuators that are plain motors, each on one joint."""
+    """Indices of the actuators that are plain motors, each on one hinge or slide: their force is
+    the command times a fixed gain."""
     import mujoco
 
-    on_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
-    return np.flatnonzero(on_joint & (model.actuator_biastype == int(mujoco.mjtBias.mjBIAS_NONE)))
+    joints = np.clip(model.actuator_trnid[:, 0], 0, model.njnt - 1)
+    single = np.isin(
+        model.jnt_type[joints],
+        [int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)],
+    )
+    return np.flatnonzero(
+        (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT))
+        & single
+        & (model.actuator_gaintype == int(mujoco.mjtGain.mjGAIN_FIXED))
+        & (model.actuator_biastype == int(mujoco.mjtBias.mjBIAS_NONE))
+        & (model.actuator_dyntype == int(mujoco.mjtDyn.mjDYN_NONE))
+    )
+
+
+def find_position_actuators(model: Any) -> np.ndarray:
+    """Indices of the actuators that go to a position: their force falls with the position."""
+    import mujoco
+
+    affine = model.actuator_biastype == int(mujoco.mjtBias.mjBIAS_AFFINE)
+    return np.flatnonzero(affine & (model.actuator_biasprm[:, 1] != 0))
+
+
+def find_action_wrapper(env: gymnasium.Env) -> str | None:
+    """Name of a wrapper that changes actions on their way to the simulator, if there is one."""
+    wrapper: Any = env
+    while isinstance(wrapper, gymnasium.Wrapper):
+        if isinstance(wrapper, gymnasium.ActionWrapper):
+            return type(wrapper).__name__
+        wrapper = wrapper.env
+    return None
 
 
 def choose_control(env: gymnasium.Env, control: str = "auto") -> tuple[DirectControl, str]:
@@ -226,7 +261,13 @@ def choose_control(env: gymnasium.Env, control: str = "auto") -> tuple[DirectCon
     assert env.action_space.shape is not None
     if simulator is None or simulator.model.nu != int(np.prod(env.action_space.shape)):
         return DirectControl(env), "the simulator says nothing about the actions"
-    motors = len(find_motors(simulator.model))
+    model = simulator.model
+    motors, positions = len(find_motors(model)), len(find_position_actuators(model))
+    wrapper = find_action_wrapper(env)
+    if motors and wrapper is not None:
+        return DirectControl(env), f"{wrapper} changes the actions, which a servo cannot have"
     if motors:
-        return ServoControl(env), f"{motors} of {simulator.model.nu} actuators are motors"
-    return IncrementControl(env), "all actuators go to positions"
+        return ServoControl(env), f"{motors} of {model.nu} actuators are motors"
+    if positions == model.nu:
+        return IncrementControl(env), "all actuators go to positions"
+    return DirectControl(env), "some actuators are neither motors nor go to positions"

@@ -29,6 +29,8 @@ UNIT_STARTS = 20
 """Ways to starts from which the unit of each sensor is taken. Chosen."""
 STILL = 1e-6
 """Share of its unit that a sensor may move in a step of a still environment. Chosen."""
+ROUNDING = 1e-9
+"""Share by which a sequence stays off a stop, so that rounding does not count as reaching it."""
 MOST_TRIES = 200
 """Draws of a start that must satisfy a condition, before giving up. Chosen."""
 PIXELS = 128
@@ -95,6 +97,8 @@ class GymnasiumWorld:
     approach : callable, optional
         In place of random actions on the way to a start: takes all sensors, flattened, and a
         generator, and returns the next action, float (n,).
+    tries : int
+        Tries of the self-test of snapshots.
 
     Attributes
     ----------
@@ -135,7 +139,14 @@ class GymnasiumWorld:
         check_action_space(env.action_space, self.name)
         self.env, self.avoid_stops = env, avoid_stops
         self.accept, self.approach = accept, approach
-        _lift_limits(env)
+        _check_way(prefix, hold, settle)
+        if isinstance(sensors, str):
+            raise ArgumentError(f"sensors: expected a list, got {sensors!r}; write [{sensors!r}]")
+        if list(sensors or ()) == ["pixels"] and env.render_mode != "rgb_array":
+            raise ArgumentError(
+                "sensors: pixels need an environment made with render_mode='rgb_array'"
+            )
+        self._limits = _lift_limits(env)
         self._prefix, self._hold, self._settle = prefix, hold, settle
         restore_actuators(env)
         way, self.exactness = choose_snapshots(env, snapshots, tries)
@@ -221,21 +232,35 @@ class GymnasiumWorld:
         """Scale a sequence so that no order of it can reach a stop from `start`."""
         if not self.avoid_stops:
             return sequence
-        return sequence * _scale_within(sequence, start)
+        return sequence * (_scale_within(sequence, start) * (1 - ROUNDING))
 
     def reaches_stop(self, start: Situation, sequence: np.ndarray) -> bool:
         """Whether some order of a sequence could reach a stop from `start`."""
-        return bool((_scale_within(sequence, start) < 1).any())
+        return bool((_scale_within(sequence, start) < 1 - ROUNDING).any())
 
     def reseed(self, seed: int) -> None:
         """Give the environment's generator another state: whether steps are noisy shows then."""
         self._player.reseed(seed)
 
     def distance(self, first: np.ndarray, second: np.ndarray) -> float:
-        """Root mean square of the differences, each in units of its sensor."""
-        moves = np.isfinite(self.unit)
-        scaled = (first[moves] - second[moves]) / self.unit[moves]
+        """Root mean square of the differences, each in units of its sensor.
+
+        Sensors that never moved on the way to starts, such as goals, do not count, unless the two
+        observations differ in them: then they do, in the median unit of the others.
+        """
+        difference = first - second
+        counts = np.isfinite(self.unit) | (difference != 0)
+        unit = np.where(np.isfinite(self.unit), self.unit, self._median_unit)
+        scaled = difference[counts] / unit[counts]
         return float(np.sqrt(np.mean(scaled**2))) if scaled.size else 0.0
+
+    def close(self) -> None:
+        """Give the environment back as it was: its actuators, and its limit of steps."""
+        restore_actuators(self.env)
+        for wrapper, limit in self._limits:
+            wrapper._max_episode_steps = limit
+        if isinstance(self._player, RemotePlayer):
+            self._player.close()
 
     def enter_process(self) -> None:
         """Prepare for use in a process that was forked from the one that made this world."""
@@ -298,6 +323,11 @@ class GymnasiumWorld:
         everything = np.where(moves, spread, np.inf)
         self._tolerance = np.where(moves, STILL * spread, np.inf)
         self.unit = everything[self._sensed]
+        finite = self.unit[np.isfinite(self.unit)]
+        self._median_unit = float(np.median(finite)) if len(finite) else 1.0
+        still = len(self.unit) - len(finite)
+        if still and not self._pixels:
+            self.choices.append(f"{still} of {len(self.unit)} sensors never moved before a start")
 
 
 def from_gymnasium(env: gymnasium.Env, **options: Any) -> GymnasiumWorld:
@@ -305,13 +335,25 @@ def from_gymnasium(env: gymnasium.Env, **options: Any) -> GymnasiumWorld:
     return GymnasiumWorld(env, **options)
 
 
-def _lift_limits(env: gymnasium.Env) -> None:
-    """Let episodes go on, since an order may be longer than the episodes of a task."""
+def _lift_limits(env: gymnasium.Env) -> list[tuple[Any, Any]]:
+    """Let episodes go on, since an order may be longer than the episodes of a task; returns the
+    wrappers with the limits that they had."""
     wrapper: Any = env
+    lifted = []
     while isinstance(wrapper, gymnasium.Wrapper):
         if isinstance(wrapper, gymnasium.wrappers.TimeLimit):
+            lifted.append((wrapper, wrapper._max_episode_steps))
             wrapper._max_episode_steps = NO_LIMIT
         wrapper = wrapper.env
+    return lifted
+
+
+def _check_way(prefix: Any, hold: Any, settle: Any) -> None:
+    for name, value, least in (("prefix", prefix, 0), ("hold", hold, 1), ("settle", settle, 0)):
+        if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < least:
+            raise ArgumentError(
+                f"{name}: expected a whole number of at least {least}, got {value!r}"
+            )
 
 
 def _scale_within(sequence: np.ndarray, start: Situation) -> np.ndarray:
@@ -319,10 +361,11 @@ def _scale_within(sequence: np.ndarray, start: Situation) -> np.ndarray:
     the sequence alone reaches a stop: then no order of it does."""
     up = np.clip(sequence, 0, None).sum(axis=0)
     down = np.clip(-sequence, 0, None).sum(axis=0)
-    tiny = 1e-9
-    return np.minimum(
-        1.0, np.minimum(start.up / np.maximum(up, tiny), start.down / np.maximum(down, tiny))
-    )
+    scale = np.ones(len(up))
+    for room, part in ((start.up, up), (start.down, down)):
+        commanded = part > 0
+        scale[commanded] = np.minimum(scale[commanded], room[commanded] / part[commanded])
+    return scale
 
 
 def _name_dofs(env: gymnasium.Env, n: int) -> tuple[Dof, ...]:

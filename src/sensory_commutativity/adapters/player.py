@@ -66,7 +66,7 @@ class Player:
         if self.snapshots is None:
             observation = self.env.reset(seed=seed)[0]
         else:
-            observation = self.snapshots.reset(seed)
+            observation = self.snapshots.reset(seed)[0]
         self.control.begin()
         self._observation = flatten_observation(observation)
         return self._observation
@@ -124,7 +124,11 @@ class Player:
 
     def reseed(self, seed: int) -> None:
         """Give the environment's random generator another state, to see whether steps are noisy."""
-        self.env.unwrapped._np_random = np.random.default_rng(seed)
+        inner: Any = self.env.unwrapped
+        inner._np_random = np.random.default_rng(seed)
+        task: Any = getattr(getattr(inner, "_env", None), "task", None)  # dm_control in shimmy
+        if isinstance(getattr(task, "random", None), np.random.RandomState):
+            task.random.seed(seed)
 
     def render(self, side: int) -> np.ndarray:
         """An image of the environment, uint8 (side, side, 3)."""
@@ -154,7 +158,6 @@ class RemotePlayer:
         self.contacts, self.motion, self.control = player.contacts, player.motion, player.control
 
     def reset(self, seed: int) -> np.ndarray:
-        self.release()
         return self._snapshots.call("reset", seed)
 
     def play(self, *arguments: Any) -> Played:
@@ -175,6 +178,6 @@ class RemotePlayer:
     def restore(self, snapshot: Any) -> None:
         self._snapshots.restore(snapshot)
 
-    def release(self) -> None:
-        """End the processes of old snapshots, which a new episode does not need."""
-        self._snapshots.release()
+    def close(self) -> None:
+        """End the process."""
+        self._snapshots.close()

@@ -28,12 +28,14 @@ from __future__ import annotations
 
 import copy
 import os
+import random
 import signal
 import socket
 import types
+import weakref
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from enum import Enum
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple, Protocol
@@ -78,8 +80,8 @@ class Snapshots(Protocol):
 
     name: str
 
-    def reset(self, seed: int) -> Any:
-        """Reset the environment; returns the observation."""
+    def reset(self, seed: int) -> tuple[Any, dict]:
+        """Reset the environment; returns the observation and the info."""
 
     def step(self, action: np.ndarray) -> tuple:
         """As the environment's own."""
@@ -106,8 +108,8 @@ class NativeSnapshots:
         if self._simulator is None and (find_bullet(env) is not None or _uses_box2d(env)):
             raise LookupError("the simulator offers no copy of its whole state")
 
-    def reset(self, seed: int) -> Any:
-        return self.env.reset(seed=seed)[0]
+    def reset(self, seed: int) -> tuple[Any, dict]:
+        return self.env.reset(seed=seed)
 
     def step(self, action: np.ndarray) -> tuple:
         return self.env.step(action)
@@ -149,9 +151,9 @@ class ReplaySnapshots:
         self._seed: int | None = None
         self._actions: list[np.ndarray] = []
 
-    def reset(self, seed: int) -> Any:
+    def reset(self, seed: int) -> tuple[Any, dict]:
         self._seed, self._actions = seed, []
-        return self.env.reset(seed=seed)[0]
+        return self.env.reset(seed=seed)
 
     def step(self, action: np.ndarray) -> tuple:
         self._actions.append(np.array(action))
@@ -190,8 +192,9 @@ class ForkSnapshots:
             raise LookupError("this system cannot fork processes")
         self.env = env
         self._active, theirs = socket.socketpair()
-        self._held: list[socket.socket] = []
-        if os.fork() == 0:
+        self._holders: list[weakref.ref[_Holder]] = []
+        self._process = os.fork()
+        if self._process == 0:
             self._active.close()
             _serve(env, theirs)
         theirs.close()
@@ -201,35 +204,47 @@ class ForkSnapshots:
         _send(self._active, (method, arguments, keywords))
         return _receive(self._active)
 
-    def reset(self, seed: int) -> Any:
-        return self.call("reset", seed=seed)[0]
+    def reset(self, seed: int) -> tuple[Any, dict]:
+        return self.call("reset", seed=seed)
 
     def step(self, action: np.ndarray) -> tuple:
         return self.call("step", action)
 
     def snapshot(self) -> Any:
         """The process that is active now waits from here on; a copy of it goes on."""
-        holder = self._active
-        self._held.append(holder)
-        self._active = _fork_from(holder)
+        holder = _Holder(self._active)
+        self._holders.append(weakref.ref(holder))
+        self._active = _fork_from(holder.channel)
         return holder
 
     def restore(self, snapshot: Any) -> None:
         """A new copy of the process that waits takes the place of the active one."""
+        if snapshot.channel.fileno() < 0:
+            raise WorldError("the snapshot belongs to an environment that was closed")
         self._active.close()  # its process ends when nobody is at the other end
-        self._active = _fork_from(snapshot)
-
-    def release(self, keep: int = 2) -> None:
-        """End the processes of all snapshots but the first and the last `keep`."""
-        old = slice(1, max(len(self._held) - keep, 1))
-        for holder in self._held[old]:
-            holder.close()
-        del self._held[old]
+        self._active = _fork_from(snapshot.channel)
 
     def close(self) -> None:
-        for channel in (self._active, *self._held):
-            channel.close()
-        self._held.clear()
+        self._active.close()
+        for reference in self._holders:
+            holder = reference()
+            if holder is not None:
+                holder.channel.close()
+        self._holders.clear()
+        if self._process:
+            with suppress(ChildProcessError):
+                os.waitpid(self._process, 0)
+            self._process = 0
+
+
+class _Holder:
+    """A process that waits; it ends when the last reference to it is gone."""
+
+    def __init__(self, channel: socket.socket):
+        self.channel = channel
+
+    def __del__(self) -> None:
+        self.channel.close()
 
 
 WAYS: dict[str, Callable[[Any], Any]] = {
@@ -348,15 +363,28 @@ class ExactSnapshot(gymnasium.Wrapper):
         super().__init__(env)
         self._snapshots, self.tried = choose_snapshots(env, way, tries)
         self.way = self._snapshots.name
+        self._seeds = np.random.default_rng()
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Reset; without a seed one is drawn, so that the episode can be replayed."""
+        """Reset; without a seed, the next one is drawn from a generator that the last one seeded.
+
+        With ``fork`` the environment in this process does not move: use what this wrapper returns,
+        and :meth:`render`.
+        """
         if options:
             raise ArgumentError("options: an exact reset takes a seed alone; leave them out")
-        drawn = int(np.random.default_rng().integers(2**31)) if seed is None else seed
-        return self._snapshots.reset(drawn), {}
+        if seed is not None:
+            self._seeds = np.random.default_rng(seed)
+            return self._snapshots.reset(seed)
+        return self._snapshots.reset(int(self._seeds.integers(2**31)))
+
+    def render(self) -> Any:
+        """As the environment's own, where it is now."""
+        if isinstance(self._snapshots, ForkSnapshots):
+            return self._snapshots.call("render")
+        return super().render()
 
     def step(self, action: Any) -> tuple:
         return self._snapshots.step(action)
@@ -397,11 +425,14 @@ def flatten_observation(observation: Any) -> np.ndarray:
 
 
 def _is_exact(snapshots: Snapshots, space: Any, rng: np.random.Generator) -> bool:
-    def draw(n: int) -> np.ndarray:
+    def draw(n: int) -> Any:
+        if not isinstance(space, gymnasium.spaces.Box):
+            space.seed(int(rng.integers(2**31)))
+            return [space.sample() for _ in range(n)]
         low, high = np.maximum(space.low, -1e3), np.minimum(space.high, 1e3)
         return rng.uniform(low, high, (n, *space.shape)).astype(space.dtype)
 
-    def play(actions: np.ndarray) -> list[bytes]:
+    def play(actions: Any) -> list[bytes]:
         return [flatten_observation(snapshots.step(a)[0]).tobytes() for a in actions]
 
     first_seed, other_seed = (int(s) for s in rng.integers(2**31, size=2))
@@ -441,9 +472,11 @@ def _record(value: Any, seen: dict[int, Any], depth: int) -> Callable[[], Any]:
         return _record_legacy_generator(value)
     if isinstance(value, np.ndarray) and value.dtype != object:
         return _record_array(value)
-    if isinstance(value, set | frozenset):
-        content = copy.copy(value)
-        return lambda: copy.copy(content)
+    if isinstance(value, random.Random):
+        kept = value.getstate()
+        return lambda: (value.setstate(kept), value)[1]  # type: ignore[func-returns-value]
+    if isinstance(value, set):
+        return _record_set(value)
     if isinstance(value, list | deque):
         return _record_list(value, seen, depth)
     if isinstance(value, tuple):
@@ -479,6 +512,17 @@ def _record_array(value: np.ndarray) -> Callable[[], Any]:
 
     def restore() -> np.ndarray:
         np.copyto(value, content)
+        return value
+
+    return restore
+
+
+def _record_set(value: set) -> Callable[[], Any]:
+    content = set(value)
+
+    def restore() -> set:
+        value.clear()
+        value.update(content)
         return value
 
     return restore

@@ -30,8 +30,8 @@ def check_whole_number(name: str, value: Any, least: int, most: int = 2**63 - 1)
 
 
 def default_thresholds(distance: str) -> tuple[float, ...]:
-    """Thresholds for a distance: .01 and .1 of the spread of the sensors, or 0."""
-    return (0.01, 0.1) if distance == "scaled" else (0.0,)
+    """Thresholds for a distance: .1 and .01 of the spread of the sensors, or 0."""
+    return (0.1, 0.01) if distance == "scaled" else (0.0,)
 
 
 def check_thresholds(thresholds: Any) -> tuple[float, ...]:

@@ -130,8 +130,5 @@ def _with_other_noise(
     world: ControlledWorld, start: Snapshot, sequence: np.ndarray, rest_steps: int, seed: int
 ) -> Observation:
     """The ending of an order after the environment's generator was reseeded."""
-    world.restore(start)
-    world.reseed(seed % 2**31)
-    reseeded = world.snapshot()
-    play_order(world, reseeded, sequence, rest_steps)
+    play_order(world, start, sequence, rest_steps, lambda: world.reseed(seed % 2**31))
     return world.observe()

@@ -85,8 +85,9 @@ def measure(
         default for Gymnasium environments), squared distance of VGG16 features (for images), or a
         function of two observations that returns a float of at least 0.
     thresholds : float or sequence of float, optional
-        Largest distances that count as equal; by default 0, with ``scaled`` .01 and .1. They can be
-        changed afterwards, :meth:`.Measurement.with_thresholds`.
+        Largest distances that count as equal; by default 0, with ``scaled`` .1 and .01. The first
+        is the one of ``scp()``, ``order()`` and the printed report. They can be changed afterwards,
+        :meth:`.Measurement.with_thresholds`.
     seed : int
         Determines starts, sequences and orders. Experiment i is the same for every `n`.
     rest_steps : int, optional
@@ -136,6 +137,8 @@ def measure(
         for i, row in _checked(played, settings.world):
             results.add(i, row)
             bar.update()
+    if measured is not world and hasattr(measured, "close"):
+        measured.close()  # gives an environment back as it was
     return results.finish()
 
 

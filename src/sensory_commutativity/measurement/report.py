@@ -27,6 +27,8 @@ NOISY = 0.5
 """Noise over distance, at their medians, from which on the step counts as noisy. Chosen."""
 NO_ROOM = 0.05
 """Mean amplitude of the sequences below which an action was hardly tried. Chosen."""
+FEW_CONTROLS = 5
+"""Experiments that touched nothing with which a row has a control at least. Chosen."""
 FEW = 0.1
 """Share of experiments that may be without rest, or terminate, before a row says so. Chosen."""
 
@@ -79,10 +81,12 @@ def add_report(
 def _row(distance: np.ndarray, controls: Mapping[str, np.ndarray], threshold: float) -> dict:
     touched = controls["touched"]
     untouched = commutes(distance[touched == 0], threshold)
+    touching = commutes(distance[touched == 1], threshold)
     n = len(untouched)
     low, high = wilson_interval(untouched.sum(), n) if n else (np.nan, np.nan)
     row = dict(
-        scp=float(commutes(distance, threshold).mean()),
+        n_touched=len(touching),
+        touched_high=_upper(touching),
         scp_untouched=untouched.mean() if n else np.nan,
         untouched_low=float(low),
         untouched_high=float(high),
@@ -99,7 +103,7 @@ def _row(distance: np.ndarray, controls: Mapping[str, np.ndarray], threshold: fl
         repeated=_mean(controls["repeated"]),
     )
     text = verdict(row, distance, controls["unrelated"])
-    del row["scp"]  # a column of the table already
+    del row["n_touched"], row["touched_high"]  # for the verdict alone
     return {**row, "verdict": text}
 
 
@@ -122,12 +126,21 @@ def verdict(row: Mapping[str, float], distance: np.ndarray, unrelated: np.ndarra
                 return "no effect on the world shown: actions are like forces"
             return "contacts are not known: an upper bound of the effect on the world"
         return "everything touched something: no control in free space"
+    if row["n_untouched"] < FEW_CONTROLS:
+        return f"only {row['n_untouched']:.0f} experiments touched nothing: no control"
     if row["scp_untouched"] >= UNTOUCHED:
         if row["touched"] == 0:
             return "commutes in free space, and touched nothing"
-        effect = "shows an effect on the world" if row["scp"] < 1 else "commutes always"
-        return f"{effect} (touched in {row['touched']:.0%})"
+        if row["touched_high"] < row["untouched_low"]:
+            return f"shows an effect on the world (touched in {row['touched']:.0%})"
+        return f"no effect on the world seen (touched in {row['touched']:.0%})"
     return f"no effect on the world shown: {_reason(row)}"
+
+
+def _upper(commuted: np.ndarray) -> float:
+    """Upper end of the interval of the SCP; 1 without experiments."""
+    n = len(commuted)
+    return float(wilson_interval(commuted.sum(), n)[1]) if n else 1.0
 
 
 def _reason(row: Mapping[str, float]) -> str:
@@ -142,8 +155,8 @@ def _reason(row: Mapping[str, float]) -> str:
 
 
 def describe_report(table: pd.DataFrame, thresholds: Sequence[float]) -> Iterator[str]:
-    """Lines of text: one per degree of freedom at the last threshold, lowest SCP first."""
-    threshold = thresholds[-1]
+    """Lines of text: one per degree of freedom at the first threshold, lowest SCP first."""
+    threshold = thresholds[0]
     rows = table[table["threshold"] == threshold].sort_values(["scp", "area"])
     width = max(len(str(name)) for name in rows["dof"])
     yield (

@@ -53,7 +53,11 @@ class Outcome(NamedTuple):
 
 
 def play_order(
-    world: World, start: Snapshot, sequence: np.ndarray, rest_steps: int = REST_STEPS
+    world: World,
+    start: Snapshot,
+    sequence: np.ndarray,
+    rest_steps: int = REST_STEPS,
+    prepare: Callable[[], None] | None = None,
 ) -> None:
     """Play `sequence` from `start`, then rest; the world is left at the end of the order.
 
@@ -66,6 +70,8 @@ def play_order(
     rest_steps : int
         Steps without a command at the end; at most so many in a world that tells when it is still
         (:class:`~sensory_commutativity.scp.world.Resting`).
+    prepare : callable, optional
+        Is called between the restore and the first action.
 
     Raises
     ------
@@ -74,6 +80,8 @@ def play_order(
     """
     check_sequence(sequence, len(world.dofs))
     world.restore(start)
+    if prepare is not None:
+        prepare()
     if isinstance(world, Resting):
         play(world, sequence)
         world.rest(rest_steps)
@@ -84,7 +92,10 @@ def play_order(
 def iterate_order(
     world: World, start: Snapshot, sequence: np.ndarray, rest_steps: int = REST_STEPS
 ) -> Iterator[Observation]:
-    """As :func:`play_order`, step by step: observations at the start and after every step."""
+    """As :func:`play_order`, step by step: observations at the start and after every step.
+
+    It always takes `rest_steps` steps of rest, also in a world that tells when it is still.
+    """
     check_sequence(sequence, len(world.dofs))
     world.restore(start)
     yield world.observe()

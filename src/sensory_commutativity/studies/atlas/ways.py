@@ -23,8 +23,8 @@ class SetStateSnapshots:
         if self._simulator is None:
             raise LookupError("no MuJoCo simulation")
 
-    def reset(self, seed: int) -> Any:
-        return self.env.reset(seed=seed)[0]
+    def reset(self, seed: int) -> tuple[Any, dict]:
+        return self.env.reset(seed=seed)
 
     def step(self, action: np.ndarray) -> tuple:
         return self.env.step(action)
@@ -54,8 +54,8 @@ class DeepcopySnapshots:
     def __init__(self, env: Any):
         self.env = env
 
-    def reset(self, seed: int) -> Any:
-        return self.env.reset(seed=seed)[0]
+    def reset(self, seed: int) -> tuple[Any, dict]:
+        return self.env.reset(seed=seed)
 
     def step(self, action: np.ndarray) -> tuple:
         return self.env.step(action)
