@@ -16,7 +16,9 @@ _MODULES = {
     "measurement.measurement": ("Measurement",),
     "measurement.order": ("DofOrder",),
     "scp.check": ("CheckResult", "WorldReport", "check_world"),
-    "scp.world": ("Dof", "EventReporter", "SequencePlayer", "World", "play"),
+    "scp.world": (
+        "Dof", "EventReporter", "Resting", "SequenceLimiter", "SequencePlayer", "World", "play",
+    ),
     "scp.sequences": ("compose", "inverse", "no_op", "permute", "sample_sequence"),
     "scp.experiment": (
         "commutation_experiment", "compare_orders", "distances_per_dof", "endings_per_dof",
@@ -47,7 +49,9 @@ _MODULES = {
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
 _EXTRAS = {
+    "adapters": "environments",
     "change_detection": "change-detection",
+    "navigation.action_spaces": "environments",
     "navigation": "navigation",
     "worlds.apartment": "apartment",
     "worlds.flatland": "flatland",

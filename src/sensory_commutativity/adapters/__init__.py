@@ -28,6 +28,10 @@ def as_world(source: Any) -> World:
         require_world(source)  # says how to make one
     if isinstance(source, World):
         return source
+    if hasattr(source, "single_action_space"):
+        raise ArgumentError(
+            "world: a vector environment holds several; give one environment, and workers=..."
+        )
     if all(hasattr(source, name) for name in ENVIRONMENT_PARTS):
         from .gymnasium import from_gymnasium
 

@@ -47,6 +47,8 @@ def make_environment(name: str, **options: Any) -> Any:
     _register(name, gymnasium)
     try:
         return gymnasium.make(name, max_episode_steps=NO_LIMIT, disable_env_checker=True, **options)
+    except TypeError as error:
+        raise ArgumentError(f"env: {name}: {' '.join(str(error).split())}") from None
     except gymnasium.error.DependencyNotInstalled as error:
         reason = " ".join(str(error).split())
         raise UserError(

@@ -67,14 +67,12 @@ def _show_version(ctx: click.Context, param: click.Parameter, value: bool) -> No
     "--version", is_flag=True, is_eager=True, expose_value=False, callback=_show_version,
     help="Show the version and exit.",
 )  # fmt: skip
-@click.pass_context
-def main(ctx: click.Context, quiet: bool, verbose: bool) -> None:
+def main(quiet: bool, verbose: bool) -> None:
     """Play the same actions in two orders from the same start. Do the sensors end equal?
 
     `sencom measure corridor` answers it for a small world. The commands from `table` on belong to
     the workflow, which calls them in the right order: run `make`, or `snakemake --cores all`.
     """
-    ctx.obj = verbose
     if quiet:
         from ..progress import hide
 

@@ -63,6 +63,9 @@ def measure(
     if list_names:
         list_worlds()
         return
+    for option, path in (("--out", out), ("--plot", plot)):
+        if path is not None and not path.parent.is_dir():
+            raise click.UsageError(f"{option} {path}: there is no folder {path.parent}; create it")
     if plot is not None:
         _check_format(plot)
     measurement = measure_world(

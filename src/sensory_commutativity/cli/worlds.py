@@ -78,12 +78,14 @@ def build_world(world: str | None, options: tuple[str, ...], which: dict[str, st
     if apartment and world != "apartment":
         raise click.UsageError("--robot and --scene belong to the world apartment")
     own = OWN.match(world)
-    if (which.get("control") or which.get("sensors")) and (own or world in WORLDS):
+    if (which.get("control") or which.get("sensors")) and world in WORLDS:
         raise click.UsageError("--control and --sensors belong to Gymnasium environments")
     if world in WORLDS:
         return make_world(world, **chosen)
     if own:
-        return as_world(_call(_load_own(own["module"], own["name"]), chosen, world))
+        adapter = _split_options(chosen)
+        source = _call(_load_own(own["module"], own["name"]), chosen, world)
+        return _adapt(source, adapter) if hasattr(source, "action_space") else as_world(source)
     return _make_environment(world, chosen, list(WORLDS))
 
 
@@ -149,15 +151,25 @@ def _make_environment(name: str, options: dict[str, Any], worlds: list[str]) -> 
     """The Gymnasium environment `name`, as a world."""
     near = difflib.get_close_matches(name, worlds, 1, 0.6)
     hint = f"; did you mean the world {near[0]}?" if near else ""
-    for_world = {key: options.pop(key) for key in WORLD_OPTIONS if key in options}
-    if isinstance(for_world.get("sensors"), str):
-        for_world["sensors"] = for_world["sensors"].split(",")
+    for_world = _split_options(options)
     if for_world.get("sensors") == ["pixels"]:
         options.setdefault("render_mode", "rgb_array")
     try:
         env = make_environment(name, **options)
     except UserError as error:
         raise ArgumentError(f"WORLD: {error}{hint}; --list shows the package's own") from None
+    return _adapt(env, for_world)
+
+
+def _split_options(options: dict[str, Any]) -> dict[str, Any]:
+    """Take the options of the adapter out of `options`."""
+    adapter = {key: options.pop(key) for key in WORLD_OPTIONS if key in options}
+    if isinstance(adapter.get("sensors"), str):
+        adapter["sensors"] = adapter["sensors"].split(",")
+    return adapter
+
+
+def _adapt(env: Any, options: dict[str, Any]) -> World:
     from ..adapters.gymnasium import from_gymnasium
 
-    return from_gymnasium(env, **for_world)
+    return from_gymnasium(env, **options)

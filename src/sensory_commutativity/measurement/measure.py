@@ -124,6 +124,11 @@ def measure(
     if check:
         check_world(measured, CHECK_TRIES, CHECK_LENGTH, protocol.seed).raise_if_failed()
         try_distance(measured, protocol.distance, protocol.seed, CHECK_LENGTH, protocol.rest_steps)
+    if resume is not None and "<" in name:
+        raise ArgumentError(
+            f"resume: the distance {name} has no name by which it could be recognized; define it "
+            "with def at the top level of a module"
+        )
     settings = _describe(measured, protocol, name)
     results = _Results(n, measured, thresholds, settings, None if resume is None else Path(resume))
     missing = results.missing()

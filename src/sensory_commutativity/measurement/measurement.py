@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import html
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -110,7 +110,7 @@ class Measurement:
         """Names of the degrees of freedom."""
         return tuple(dof.name for dof in self.dofs)
 
-    @cached_property
+    @property
     def experiments(self) -> pd.DataFrame:
         """One row per SC-experiment: experiment, dof, distance, and the controls, if any."""
         n, n_dofs = self.distances.shape
@@ -123,7 +123,7 @@ class Measurement:
             )
         )
 
-    @cached_property
+    @property
     def table(self) -> pd.DataFrame:
         """One row per degree of freedom and threshold: dof, threshold, n, commuted, scp, ci_low,
         ci_high (95 %, Wilson); for an environment also the columns of :func:`.report.add_report`.
@@ -222,6 +222,7 @@ class Measurement:
             dofs = tuple(Dof(**dof) for dof in contents["dofs"])
             settings = Settings(**contents["settings"])
             thresholds = check_thresholds(contents["thresholds"])
+            choices = tuple(contents.get("choices", ()))
         except (KeyError, TypeError, ValueError):
             raise TableError(
                 f"{path}: its metadata do not describe a measurement; measure again"
@@ -239,7 +240,6 @@ class Measurement:
             column.name: frame[column.name].to_numpy().reshape(n, len(dofs))
             for column in (CONTROLLED[len(COLUMNS) :] if controlled else ())
         }
-        choices = tuple(contents["choices"])
         return cls(distances, dofs, thresholds, settings, controls, choices, metadata)
 
     def __str__(self) -> str:
@@ -264,7 +264,7 @@ class Measurement:
 
     def _repr_html_(self) -> str:
         """The table, for notebooks."""
-        head = str(self).splitlines()[0]
+        head = "<br>".join(html.escape(line) for line in (str(self).splitlines()[0], *self.choices))
         return f"<p>{head}</p>{self.table.to_html(index=False, float_format='%.3f')}"
 
 

@@ -84,10 +84,10 @@ def play_in_parallel(
     UserError
         If a process was killed, or if `make_world` cannot be pickled where it must be.
     """
-    can_fork = "fork" in multiprocessing.get_all_start_methods()
+    can_fork = sys.platform == "linux"  # elsewhere the system's own libraries may not survive it
     context = multiprocessing.get_context("fork" if can_fork else "spawn")
     if not can_fork:
-        _require_sendable(make_world)
+        _require_sendable((make_world, protocol))
     size = min(max(len(experiments) // (CHUNKS_PER_WORKER * workers), 1), LARGEST_CHUNK)
     chunks = [experiments[i : i + size] for i in range(0, len(experiments), size)]
     pool = ProcessPoolExecutor(workers, context, _start_worker, (make_world, protocol))
@@ -105,13 +105,13 @@ def play_in_parallel(
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _require_sendable(make_world: Callable[[], World]) -> None:
+def _require_sendable(arguments: tuple[Callable[[], World], Protocol]) -> None:
     try:
-        ForkingPickler.dumps(make_world)
+        ForkingPickler.dumps(arguments)
     except Exception as error:  # whatever the world's own parts raise
         raise UserError(
-            f"workers: the world cannot be sent to another process ({error}); give a function at "
-            "the top level of a module that returns the world, or workers=1"
+            f"workers: the world or the distance cannot be sent to another process ({error}); give "
+            "a function at the top level of a module that returns the world, or workers=1"
         ) from None
 
 

@@ -267,7 +267,7 @@ def wrap_action_space(
     Parameters
     ----------
     env : gymnasium.Env
-        With bounded continuous actions; they are rescaled to [-1, 1] if need be.
+        With bounded continuous actions; they are rescaled to [-1, 1] if need be, 0 to 0.
     scp : mapping of str to float, or Measurement
         SCP of each action, in the order of the actions.
     action_space : str
@@ -286,8 +286,22 @@ def wrap_action_space(
     if isinstance(space, spaces.Box) and not (
         np.allclose(space.low, -1) and np.allclose(space.high, 1)
     ):
-        env = gym.wrappers.RescaleAction(env, np.float32(-1), np.float32(1))
+        env = _rescale_around_zero(env, space)
     return ScaledAction(env, scales)
+
+
+def _rescale_around_zero(env: gym.Env, space: spaces.Box) -> gym.Env:
+    """Map [-1, 1] to the range of every action, 0 to 0 where the range holds it: a removed degree
+    of freedom gets 0 then, not the middle of its range."""
+    low, high = space.low.astype(np.float64), space.high.astype(np.float64)
+    middle = np.where((low <= 0) & (high >= 0), 0.0, (low + high) / 2)
+
+    def rescale(action: np.ndarray) -> np.ndarray:
+        span = np.where(action >= 0, high - middle, middle - low)
+        return (middle + action * span).astype(space.dtype)
+
+    unit = spaces.Box(-1.0, 1.0, space.shape, space.dtype)
+    return gym.wrappers.TransformAction(env, rescale, unit)
 
 
 class VectorScaledAction(gym.vector.VectorActionWrapper):

@@ -176,8 +176,9 @@ def check_world(
         If `world` lacks a method, or a number is not positive.
     """
     require_world(world)
-    for name, value in (("tries", tries), ("length", length)):
-        if not isinstance(value, int | np.integer) or value < 1:
+    for name, value in (("tries", tries), ("length", length), ("rest_steps", rest_steps)):
+        whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+        if not whole or value < (0 if name == "rest_steps" else 1):
             raise ArgumentError(f"{name}: expected a whole number of at least 1, got {value!r}")
     tested = dict.fromkeys(PROMISES, 0)
     failures = dict.fromkeys(PROMISES, 0)
@@ -206,6 +207,11 @@ def require_world(world: Any, argument: str = "world") -> None:
         raise ArgumentError(
             f"{argument}: expected a world, got the class {world.__name__}; write "
             f"{world.__name__}(...)"
+        )
+    if hasattr(world, "action_space"):
+        raise ArgumentError(
+            f"{argument}: {type(world).__name__} is a Gymnasium environment; write "
+            "from_gymnasium(env)"
         )
     missing = [name for name in METHODS if not callable(getattr(world, name, None))]
     missing += [] if hasattr(world, "dofs") else ["dofs"]

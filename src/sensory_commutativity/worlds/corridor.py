@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..errors import ArgumentError
 from ..scp.world import Dof
 
 CorridorState = tuple[int, int, float]
@@ -43,6 +44,9 @@ class Corridor:
     )
 
     def __init__(self, wall: int | None = None, box: int | None = None):
+        for name, cell in (("wall", wall), ("box", box)):
+            if cell is not None and (isinstance(cell, bool) or not isinstance(cell, int)):
+                raise ArgumentError(f"{name}: expected a whole number or None, got {cell!r}")
         self._last_cell = np.inf if wall is None else wall
         self._start: CorridorState = (0, -1 if box is None else box, 1.0)
         self._state = self._start
