@@ -62,7 +62,7 @@ def test_the_cheapest_exact_way_is_chosen() -> None:
     assert isinstance(snapshots, NativeSnapshots) and [one.way for one in tried] == ["native"]
     _, tried = choose_snapshots(make_environment("PandaPush-v3"), tries=3)
     assert [one.way for one in tried][-1] == "fork" and tried[0].error
-    with pytest.raises(WorldError, match=r"cannot be put back exactly \(replay 0 of 20\)"):
+    with pytest.raises(WorldError, match=r"cannot be restored exactly \(replay 0 of 20\)"):
         choose_snapshots(env, "replay")
     with pytest.raises(ArgumentError, match=r"way: expected auto or one of native, replay, fork"):
         choose_snapshots(env, "deepcopy")

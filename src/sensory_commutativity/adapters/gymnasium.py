@@ -1,6 +1,6 @@
 """A Gymnasium environment as a world.
 
-It is put back exactly (:mod:`.snapshots`), its actions are turned into commands that commute in
+Its state is restored exactly (:mod:`.snapshots`), its actions are turned into commands that commute in
 free space where the simulator allows it (:mod:`.control`), sequences can be kept from reaching a
 joint's stop, and each order ends when nothing moves any more.
 """
@@ -116,7 +116,7 @@ class GymnasiumWorld:
     ArgumentError
         If the actions are not continuous and bounded, or an argument is not valid.
     WorldError
-        If the environment cannot be put back exactly.
+        If its state cannot be restored exactly.
     """
 
     def __init__(
@@ -162,7 +162,7 @@ class GymnasiumWorld:
             player.snapshots = way
         self._keep_pristine()
         self.choices = [
-            f"put back by {way.name} (exact in {self.exactness[-1].exact} of {tries} tries)",
+            f"state restored by {way.name} (exact in {self.exactness[-1].exact} of {tries} tries)",
             f"control {self.control.name} ({reason})",
         ]
         if avoid_stops and self.control.name != "direct":

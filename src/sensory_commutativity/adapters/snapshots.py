@@ -1,6 +1,6 @@
 """Exact snapshots of any Gymnasium environment.
 
-An environment that is put back exactly goes on, from the same actions, to bit-identical
+An environment whose state is restored exactly continues, with the same actions, to bit-identical
 observations. There are three ways, and which of them is exact depends on the environment, so that
 each is tried out (:func:`choose_snapshots`) before it is used:
 
@@ -71,7 +71,7 @@ _OPAQUE = (
 
 
 class Snapshots(Protocol):
-    """A way to put an environment back.
+    """A way to restore its state.
 
     Attributes
     ----------
@@ -273,7 +273,7 @@ def measure_exactness(
     tries: int = TRIES,
     seed: int = 0,
 ) -> Exactness:
-    """Count how often an environment, put back, goes on exactly as if nothing had happened.
+    """Count how often an environment continues exactly as if it had not been restored.
 
     In every try the environment is reset, plays 20 random actions and is kept; a sequence is played
     straight on, and again after a restore, after another sequence and a restore, and at last after
@@ -337,7 +337,7 @@ def choose_snapshots(
             return WAYS[name](env), tried
     counts = "; ".join(map(str, tried))
     raise WorldError(
-        f"the environment cannot be put back exactly ({counts}); look for a wrapper that keeps "
+        f"the state cannot be restored exactly ({counts}); look for a wrapper that keeps "
         "something over a reset, or for noise without a seed"
     )
 

@@ -18,7 +18,7 @@ class EnvironmentConfig(Section):
         "auto", description="How actions become commands."
     )
     snapshots: Literal["auto", "native", "replay", "fork"] = Field(
-        "auto", description="How the environment is put back."
+        "auto", description="How its state is restored."
     )
     length: int = Field(20, ge=1, le=1000, description="Actions in a sequence.")
     rest_steps: int = Field(
@@ -52,7 +52,7 @@ class AtlasConfig(Section):
         0.1, description="The one of the figure and of the verdicts in the text."
     )
     exactness_tries: int = Field(
-        100, ge=1, le=10_000, description="Tries of every way to put an environment back."
+        100, ge=1, le=10_000, description="Tries of every way to restore its state."
     )
     environments: dict[Name, EnvironmentConfig] = Field(min_length=1)
     starts_per_job: int = Field(

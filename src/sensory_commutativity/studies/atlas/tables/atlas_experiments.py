@@ -28,7 +28,7 @@ def _expected(config: Config) -> Expected:
         ACTION,
         Column("experiment", INT, "1", "number of the start situation", key=True),
         Column("control", TEXT, "", "how actions became commands"),
-        Column("way", TEXT, "", "how the environment was put back"),
+        Column("way", TEXT, "", "how the state was restored"),
         *(Column(name, FLOAT, "1", text, nullable=True) for name, text in COLUMNS.items()),
     ),
     shards=Shards(

@@ -29,7 +29,7 @@ def _share(name: str, text: str) -> Column:
         ID,
         ACTION,
         Column("control", TEXT, "", "how actions became commands"),
-        Column("way", TEXT, "", "how the environment was put back"),
+        Column("way", TEXT, "", "how the state was restored"),
         Column("threshold", FLOAT, "1", "largest distance that counts as equal", key=True),
         Column("n", INT, "1", "start situations"),
         Column("commuted", INT, "1", "starts from which both orders ended equal"),

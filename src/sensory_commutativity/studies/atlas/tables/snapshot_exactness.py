@@ -1,4 +1,4 @@
-"""How often each way to put an environment back is exact, and what it costs."""
+"""How often each way to restore its state is exact, and what it costs."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _settings(config: Config, run: str) -> object:
     columns=(
         ENVIRONMENT,
         ID,
-        Column("way", TEXT, "", "how the environment is put back", key=True),
+        Column("way", TEXT, "", "how the state is restored", key=True),
         Column("tries", INT, "1", "tries"),
         Column("exact", INT, "1", "tries in which every observation was bit-identical"),
         Column("keep_ms", FLOAT, "ms", "time of a snapshot", nullable=True),
