@@ -71,7 +71,7 @@ _OPAQUE = (
 
 
 class Snapshots(Protocol):
-    """A way to restore its state.
+    """A way to restore the state of an environment.
 
     Attributes
     ----------

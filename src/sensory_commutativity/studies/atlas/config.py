@@ -52,7 +52,7 @@ class AtlasConfig(Section):
         0.1, description="The one of the figure and of the verdicts in the text."
     )
     exactness_tries: int = Field(
-        100, ge=1, le=10_000, description="Tries of every way to restore its state."
+        100, ge=1, le=10_000, description="Tries of every way to restore the state."
     )
     environments: dict[Name, EnvironmentConfig] = Field(min_length=1)
     starts_per_job: int = Field(

@@ -1,4 +1,4 @@
-"""Ways to restore its state that people use, and that are compared with the exact ones."""
+"""Ways to restore the state of an environment that people use, compared with the exact ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How often each way to restore its state is exact, and what it costs."""
+"""How often each way to restore the state of an environment is exact, and what it costs."""
 
 from __future__ import annotations
 
