@@ -1,7 +1,7 @@
 """A Gymnasium environment as a world.
 
-Its state is restored exactly (:mod:`.snapshots`), its actions are turned into commands that commute in
-free space where the simulator allows it (:mod:`.control`), sequences can be kept from reaching a
+Its state is restored exactly (:mod:`.snapshots`), its actions are turned into commands that commute
+in free space where the simulator allows it (:mod:`.control`), sequences can be kept from reaching a
 joint's stop, and each order ends when nothing moves any more.
 """
 
