@@ -52,8 +52,9 @@ MAX_LENGTH = 700
 
 @pytest.fixture(scope="module")
 def right() -> dict[str, Any]:
-    """The default profile with every default filled in, and absolute paths of files."""
-    text = yaml.safe_dump(load(DEFAULT).model_dump(mode="json"), sort_keys=False)
+    """The default profile with every default filled in, an atlas, and absolute paths of files."""
+    atlas = ROOT / "config" / "atlas.yaml"
+    text = yaml.safe_dump(load(DEFAULT, atlas).model_dump(mode="json"), sort_keys=False)
     for folder in ("config/robots/", "config/apartments/"):
         text = text.replace(folder, f"{ROOT}/{folder}")
     settings = yaml.safe_load(text)

@@ -20,11 +20,11 @@ from sensory_commutativity.errors import ConfigError
 from sensory_commutativity.storage.yamlfile import MAX_BYTES, MAX_DEPTH, MAX_VALUES, read_yaml
 from sensory_commutativity.studies.config import Config
 from sensory_commutativity.studies.loading import load, validate
-from tests.helpers import DEFAULT
+from tests.helpers import DEFAULT, ROOT
 
 EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "200"))
 """Of each kind; FUZZ_EXAMPLES=5000 searches longer."""
-SETTINGS = load(DEFAULT).model_dump(mode="json")
+SETTINGS = load(DEFAULT, ROOT / "config" / "atlas.yaml").model_dump(mode="json")
 TOKENS = [
     "a: ", "seed: ", "- ", "[", "]", "{", "}", "&a ", "*a", "<<: ", "? ", "!!int ",
     "!!python/name:os.system ", "'", '"', "|", ">", "\n", "\n  ", "---", "%YAML 1.1\n", "#", "1",

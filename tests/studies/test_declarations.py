@@ -35,7 +35,6 @@ from tests.studies.examples import overlay
 
 TABLES = declarations(Table)
 PRODUCTS = {f"{KINDS[kind]} {name}": p for kind in KINDS for name, p in declarations(kind).items()}
-"""Kind and name -> declaration; a figure may have the name of its table."""
 
 
 def jobs(product: Product, config: Config) -> list[Shard | None]:
@@ -57,7 +56,7 @@ def test_files_are_distinct_and_every_product_has_a_title(default_config):
         shards = list(product.shards.all(default_config)) if product.shards else []
         files += [product.file(shard) for shard in [*shards, *([None] if whole else [])]]
     assert len(set(files)) == len(files) > 100
-    assert set(registry.table_names()) == set(TABLES)
+    assert set(registry.table_names()) == set(declarations(Table, optional=True))
 
 
 def test_inputs_exist_and_their_file_names_are_distinct(default_config, small_config):
@@ -123,14 +122,18 @@ def test_every_product_has_rules_of_its_name():
     rules = set()
     for file in (ROOT / "workflow" / "rules").glob("*.smk"):
         rules |= set(re.findall(r"^rule (\w+):", file.read_text(), re.MULTILINE))
-    trained = {model.curve for model in declarations(Model).values()}
+    trained = {model.curve for model in declarations(Model, optional=True).values()}
     expected = set()
-    for name, product in (declarations(Table) | declarations(Arrays)).items():
+    for name, product in (
+        declarations(Table, optional=True) | declarations(Arrays, optional=True)
+    ).items():
         if product.shards is not None and name not in trained:
             expected.add(f"{name}_shard")
         if product.shards is None or (isinstance(product, Table) and not product.shards_only):
             expected.add(name)
-    expected |= set(declarations(Model)) | set(declarations(Animation))
+    expected |= set(declarations(Model, optional=True)) | set(
+        declarations(Animation, optional=True)
+    )
     assert not expected - rules
     of_shards = {rule for rule in rules if rule.endswith("_shard")}
     assert of_shards <= expected  # others would be rules of products that are not declared
@@ -138,7 +141,11 @@ def test_every_product_has_rules_of_its_name():
 
 def test_every_figure_has_a_caption():
     captions = {path.stem for path in (ROOT / "workflow" / "report").glob("*.rst")}
-    assert captions == {"workflow", *declarations(Figure), *declarations(Animation)}
+    assert captions == {
+        "workflow",
+        *declarations(Figure, optional=True),
+        *declarations(Animation, optional=True),
+    }
 
 
 # ---- shards -----------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+from types import UnionType
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -106,10 +107,16 @@ def _suggest(location: tuple[str | int, ...], root: type[BaseModel]) -> str:
     model: Any = root
     for part in location[:-1]:
         if isinstance(model, type) and issubclass(model, BaseModel):
-            model = model.model_fields[str(part)].annotation
+            model = _without_none(model.model_fields[str(part)].annotation)
         elif getattr(model, "__args__", None):
             model = model.__args__[-1]
     is_model = isinstance(model, type) and issubclass(model, BaseModel)
     keys = list(model.model_fields) if is_model else []
     close = difflib.get_close_matches(str(location[-1]), keys, 1)
     return f"did you mean {close[0]!r}?" if close else f"known here are {', '.join(keys)}"
+
+
+def _without_none(annotation: Any) -> Any:
+    """The section in the annotation of an optional one, ``Section | None``."""
+    parts = [part for part in getattr(annotation, "__args__", ()) if part is not type(None)]
+    return parts[0] if isinstance(annotation, UnionType) and len(parts) == 1 else annotation

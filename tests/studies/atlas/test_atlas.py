@@ -19,8 +19,8 @@ from sensory_commutativity.studies.loading import load, merge, read_settings, va
 from tests.helpers import DEFAULT, ROOT
 
 ENVIRONMENTS = {
-    "reacher": {"id": "Reacher-v5", "length": 10, "rest_steps": 50},
-    "reacher-torque": {"id": "Reacher-v5", "control": "direct", "length": 10, "rest_steps": 0},
+    "reacher": {"env_id": "Reacher-v5", "length": 10, "rest_steps": 50},
+    "reacher-torque": {"env_id": "Reacher-v5", "control": "direct", "length": 10, "rest_steps": 0},
 }
 
 

@@ -39,14 +39,10 @@ def build_environment(settings: EnvironmentConfig) -> GymnasiumWorld:
     from ...adapters.gymnasium import GymnasiumWorld
     from ...adapters.registry import make_environment
 
-    options = dict(settings.options)
-    if settings.sensors == ["pixels"]:
-        options.setdefault("render_mode", "rgb_array")
     return GymnasiumWorld(
-        make_environment(settings.id, **options),
+        make_environment(settings.env_id),
         control=settings.control,
         snapshots=settings.snapshots,
-        sensors=settings.sensors,
         avoid_stops=settings.avoid_stops,
         approach=approach_fetch if settings.approach == "fetch" else None,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -12,7 +12,7 @@ from ...storage.settings import NO_EFFECT, Name, Section
 class EnvironmentConfig(Section):
     """An environment of the atlas."""
 
-    id: str = Field(min_length=1, max_length=100, description="Name in Gymnasium's registry.")
+    env_id: str = Field(min_length=1, max_length=100, description="Name in Gymnasium's registry.")
     family: str = Field("", max_length=40, description="Heading in the figure.")
     control: Literal["auto", "direct", "increments", "servo"] = Field(
         "auto", description="How actions become commands."
@@ -27,14 +27,8 @@ class EnvironmentConfig(Section):
     avoid_stops: bool = Field(
         True, description="Whether sequences are scaled so that they reach no joint's stop."
     )
-    sensors: list[str] | None = Field(
-        None, description="Keys of the observation; null for all; [pixels] for images."
-    )
-    approach: Literal["fetch"] | None = Field(
-        None, description="Scripted way to a start near the object; null for random actions."
-    )
-    options: dict[str, Any] = Field(
-        default_factory=dict, description="Further arguments of gymnasium.make."
+    approach: Literal["random", "fetch"] = Field(
+        "random", description="Way to a start: random actions, or a script to near the object."
     )
 
 

@@ -41,7 +41,7 @@ def atlas_scp(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     for axes in grid.ravel():
         axes.set_visible(False)
     for axes, name in zip(grid.ravel(), names, strict=False):
-        _draw(axes, table[table["environment"] == name], environments(config)[name].id)
+        _draw(axes, table[table["environment"] == name], environments(config)[name].env_id)
     for axes in grid[-1]:
         axes.set_xlabel("SCP")
     handles = [

@@ -70,7 +70,7 @@ def atlas_scp(experiments: pd.DataFrame, config: Config) -> pd.DataFrame:
         report = add_report(scp.rename(columns={"action": "dof"}), distances, arrays, actions)
         report = report.rename(columns={"dof": "action"})
         report.insert(0, "environment", name)
-        report["id"] = environments(config)[str(name)].id
+        report["id"] = environments(config)[str(name)].env_id
         report["control"], report["way"] = rows["control"].iloc[0], rows["way"].iloc[0]
         moved = rows.groupby("action", sort=False)["moved"].mean()
         report["moved"] = moved.reindex(report["action"]).to_numpy()

@@ -26,7 +26,7 @@ def _expected(config: Config) -> Expected:
 
 def _settings(config: Config, run: str) -> object:
     environment = environments(config)[run]
-    return [environment.id, environment.options, atlas(config).exactness_tries]
+    return [environment.env_id, atlas(config).exactness_tries]
 
 
 @table(
@@ -59,7 +59,7 @@ def snapshot_exactness(config: Config, run: str) -> pd.DataFrame:
         make: Any = EXACT_WAYS[way] if way in EXACT_WAYS else others[way]
         result = measure_exactness(_make(settings), make, atlas(config).exactness_tries)
         keep, restore = (None, None) if result.error else _measure_times(_make(settings), make)
-        rows.append((run, settings.id, way, result.tries, result.exact, keep, restore,
+        rows.append((run, settings.env_id, way, result.tries, result.exact, keep, restore,
                      result.error))  # fmt: skip
     frame = pd.DataFrame(rows, columns=snapshot_exactness.column_names)
     return frame.astype({"keep_ms": float, "restore_ms": float})
@@ -68,7 +68,7 @@ def snapshot_exactness(config: Config, run: str) -> pd.DataFrame:
 def _make(settings: EnvironmentConfig) -> Any:
     from ....adapters.registry import make_environment
 
-    return make_environment(settings.id, **settings.options)
+    return make_environment(settings.env_id)
 
 
 def _measure_times(env: Any, make: Any) -> tuple[float, float]:
