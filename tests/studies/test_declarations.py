@@ -35,6 +35,7 @@ from tests.studies.examples import overlay
 
 TABLES = declarations(Table)
 PRODUCTS = {f"{KINDS[kind]} {name}": p for kind in KINDS for name, p in declarations(kind).items()}
+"""Kind and name -> declaration; a figure may have the name of its table."""
 
 
 def jobs(product: Product, config: Config) -> list[Shard | None]:
