@@ -3,11 +3,6 @@
 #   snakemake --cores all --configfile config/atlas.yaml atlas
 
 
-def atlas_shards(name):
-    """Files of all shards of a table of the atlas; none without a section atlas."""
-    return shards(name) if CONFIG.atlas is not None else []
-
-
 rule atlas:
     input:
         TABLES / "atlas_scp.parquet",

@@ -163,3 +163,8 @@ def all_outputs():
             if whole and not getattr(product, "shards_only", False):
                 found.append(RESULTS / product.file())
     return found
+
+
+def atlas_shards(name):
+    """Files of all shards of a table of the atlas; none without a section atlas."""
+    return shards(name) if CONFIG.atlas is not None else []

@@ -59,14 +59,23 @@ class ContactReader:
     def __init__(self, env: Any):
         self._mujoco, self._bullet = find_mujoco(env), find_bullet(env)
         self.known = self._mujoco is not None or self._bullet is not None
+        self._raw, self._pairs = b"", frozenset[tuple[int, ...]]()  # of the last call
 
-    def pairs(self) -> set[tuple[int, ...]]:
+    def pairs(self) -> frozenset[tuple[int, ...]]:
         """Pairs of geoms (MuJoCo), or of bodies and links (PyBullet), that touch now."""
         if self._mujoco is not None:
-            return set(map(tuple, np.sort(self._mujoco.data.contact.geom, axis=1).tolist()))
+            if not self._mujoco.data.ncon:
+                return frozenset()
+            geoms = self._mujoco.data.contact.geom
+            raw = geoms.tobytes()
+            if raw != self._raw:  # mostly the same contacts last for many steps
+                pairs = map(tuple, np.sort(geoms, axis=1).tolist())
+                self._raw, self._pairs = raw, frozenset(pairs)
+            return self._pairs
         if self._bullet is not None:
-            return {tuple(contact[1:5]) for contact in self._bullet.getContactPoints() or ()}
-        return set()
+            contacts = self._bullet.getContactPoints() or ()
+            return frozenset(tuple(contact[1:5]) for contact in contacts)
+        return frozenset()
 
 
 class MotionReader:
