@@ -91,7 +91,7 @@ def test_order_tells_pairs_apart(measured: Measurement) -> None:
     assert pair["only_higher"] == 60 - measured.table["commuted"].iloc[0]
     assert pair["difference"] == pytest.approx(
         measured.scp()["eyelid"] - measured.scp()["move"])  # fmt: skip
-    assert "1 of 1 pairs" in str(order)
+    assert "1 of 1 pairs differ significantly" in str(order)
     tied = measure(Corridor(), n=20, length=3).order()
     assert tied.ties == [("move", "eyelid")] and not tied.pairs["distinct"].any()
 

@@ -20,7 +20,7 @@ from .control import check_action_space, choose_control, restore_actuators
 from .player import Played, Player, RemotePlayer
 from .registry import NO_LIMIT
 from .simulators import find_mujoco
-from .snapshots import TRIES, Exactness, choose_snapshots
+from .snapshots import TRIES, choose_snapshots
 
 PREFIX, HOLD, SETTLE = 40, 10, 20
 """Random actions on the way to a start, how many steps each is held, and steps without a command
@@ -419,6 +419,3 @@ def _size(space: Any) -> int:
     if parts is None:
         return int(np.prod(space.shape)) if space.shape is not None else 1
     return sum(map(_size, parts.values() if isinstance(parts, dict) else parts))
-
-
-__all__ = ["Events", "Exactness", "GymnasiumWorld", "from_gymnasium"]

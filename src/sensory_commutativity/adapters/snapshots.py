@@ -26,18 +26,11 @@ True
 
 from __future__ import annotations
 
-import copy
 import os
-import random
-import signal
 import socket
-import types
 import weakref
-from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from enum import Enum
-from multiprocessing.connection import Connection
 from typing import Any, NamedTuple, Protocol
 
 import gymnasium
@@ -45,6 +38,8 @@ import numpy as np
 
 from ..errors import ArgumentError, WorldError
 from ..seeding import generator
+from .attributes import record
+from .forking import fork_from, receive, send, serve
 from .simulators import find_bullet, find_mujoco
 
 TRIES = 20
@@ -57,17 +52,6 @@ MODEL_FIELDS = (
     "eq_data", "qpos0",
 )  # fmt: skip
 """Fields of MuJoCo's model that resets of gymnasium-robotics write."""
-MAX_DEPTH = 12
-"""Levels of attributes that are followed. Chosen: wrappers, environment, robot, task."""
-_PLAIN = (
-    type(None), bool, int, float, complex, str, bytes, np.generic, np.dtype, Enum, type, range,
-    slice, types.ModuleType,
-)  # fmt: skip
-_OPAQUE = (
-    "gymnasium.spaces", "gymnasium.envs.registration", "gymnasium.envs.mujoco.mujoco_rendering",
-    "mujoco", "dm_control.mjcf", "dm_control.mujoco", "dm_env.specs", "pygame", "Box2D",
-)  # fmt: skip
-"""Modules whose objects hold no state of their own, or state that Python cannot read."""
 
 
 class Snapshots(Protocol):
@@ -115,7 +99,7 @@ class NativeSnapshots:
         return self.env.step(action)
 
     def snapshot(self) -> Any:
-        attributes = _record(self.env, {}, 0)
+        attributes = record(self.env, {}, 0)
         if self._simulator is None:
             return attributes, None, None
         import mujoco
@@ -196,13 +180,13 @@ class ForkSnapshots:
         self._process = os.fork()
         if self._process == 0:
             self._active.close()
-            _serve(env, theirs)
+            serve(env, theirs)
         theirs.close()
 
     def call(self, method: str, *arguments: Any, **keywords: Any) -> Any:
         """Call a method of the environment in its process."""
-        _send(self._active, (method, arguments, keywords))
-        return _receive(self._active)
+        send(self._active, (method, arguments, keywords))
+        return receive(self._active)
 
     def reset(self, seed: int) -> tuple[Any, dict]:
         return self.call("reset", seed=seed)
@@ -214,7 +198,7 @@ class ForkSnapshots:
         """The process that is active now waits from here on; a copy of it goes on."""
         holder = _Holder(self._active)
         self._holders.append(weakref.ref(holder))
-        self._active = _fork_from(holder.channel)
+        self._active = fork_from(holder.channel)
         return holder
 
     def restore(self, snapshot: Any) -> None:
@@ -222,7 +206,7 @@ class ForkSnapshots:
         if snapshot.channel.fileno() < 0:
             raise WorldError("the snapshot belongs to an environment that was closed")
         self._active.close()  # its process ends when nobody is at the other end
-        self._active = _fork_from(snapshot.channel)
+        self._active = fork_from(snapshot.channel)
 
     def close(self) -> None:
         self._active.close()
@@ -454,182 +438,5 @@ def _is_exact(snapshots: Snapshots, space: Any, rng: np.random.Generator) -> boo
     return all(ending == straight for ending in endings)
 
 
-# ---- native: what Python holds -------------------------------------------------------------------
-
-
-def _record(value: Any, seen: dict[int, Any], depth: int) -> Callable[[], Any]:
-    """A function that gives `value` back in its present state.
-
-    What can change is changed in place, so that views and shared references hold. `seen` keeps the
-    objects, so that no other gets the same id.
-    """
-    if isinstance(value, _PLAIN) or id(value) in seen or depth > MAX_DEPTH:
-        return lambda: value
-    seen[id(value)] = value
-    if isinstance(value, np.random.Generator):
-        return _record_generator(value)
-    if isinstance(value, np.random.RandomState):
-        return _record_legacy_generator(value)
-    if isinstance(value, np.ndarray) and value.dtype != object:
-        return _record_array(value)
-    if isinstance(value, random.Random):
-        kept = value.getstate()
-        return lambda: (value.setstate(kept), value)[1]  # type: ignore[func-returns-value]
-    if isinstance(value, set):
-        return _record_set(value)
-    if isinstance(value, list | deque):
-        return _record_list(value, seen, depth)
-    if isinstance(value, tuple):
-        parts = [_record(part, seen, depth + 1) for part in value]
-        return lambda: ([part() for part in parts], value)[1]
-    return _record_attributes(value, seen, depth)
-
-
-def _record_generator(value: np.random.Generator) -> Callable[[], Any]:
-    state = copy.deepcopy(value.bit_generator.state)
-
-    def restore() -> np.random.Generator:
-        value.bit_generator.state = state
-        return value
-
-    return restore
-
-
-def _record_legacy_generator(value: np.random.RandomState) -> Callable[[], Any]:
-    state = value.get_state()
-
-    def restore() -> np.random.RandomState:
-        value.set_state(state)
-        return value
-
-    return restore
-
-
-def _record_array(value: np.ndarray) -> Callable[[], Any]:
-    if not value.flags.writeable:
-        return lambda: value
-    content = value.copy()
-
-    def restore() -> np.ndarray:
-        np.copyto(value, content)
-        return value
-
-    return restore
-
-
-def _record_set(value: set) -> Callable[[], Any]:
-    content = set(value)
-
-    def restore() -> set:
-        value.clear()
-        value.update(content)
-        return value
-
-    return restore
-
-
-def _record_list(value: Any, seen: dict[int, Any], depth: int) -> Callable[[], Any]:
-    parts = [_record(part, seen, depth + 1) for part in value]
-
-    def restore() -> Any:
-        new = [part() for part in parts]
-        value.clear()
-        value.extend(new)
-        return value
-
-    return restore
-
-
-def _record_attributes(value: Any, seen: dict[int, Any], depth: int) -> Callable[[], Any]:
-    held = value if isinstance(value, dict) else getattr(value, "__dict__", None)
-    function = callable(value) and not hasattr(value, "step")
-    if held is None or type(value).__module__.startswith(_OPAQUE) or function:
-        return lambda: value
-    items = {key: _record(part, seen, depth + 1) for key, part in held.items()}
-
-    def restore() -> Any:
-        new = {key: part() for key, part in items.items()}
-        for key in [key for key in held if key not in new]:
-            del held[key]
-        held.update(new)
-        return value
-
-    return restore
-
-
 def _uses_box2d(env: Any) -> bool:
     return type(getattr(env.unwrapped, "world", None)).__module__.startswith("Box2D")
-
-
-# ---- fork: processes that wait -------------------------------------------------------------------
-
-_FORK = "fork"
-"""What a process is told so that it copies itself; then it waits."""
-
-
-def _send(channel: socket.socket, message: Any) -> None:
-    with _connection(channel) as connection:
-        connection.send(message)
-
-
-def _receive(channel: socket.socket) -> Any:
-    with _connection(channel) as connection:
-        try:
-            error, result = connection.recv()
-        except EOFError:
-            raise WorldError("the process of the environment ended unexpectedly") from None
-    if error is not None:
-        raise error
-    return result
-
-
-@contextmanager
-def _connection(channel: socket.socket) -> Iterator[Connection]:
-    """The channel as a connection that carries Python objects; the channel stays open."""
-    connection = Connection(channel.fileno())
-    try:
-        yield connection
-    finally:
-        connection._handle = None  # type: ignore[attr-defined]  # belongs to the channel
-
-
-def _fork_from(holder: socket.socket) -> socket.socket:
-    """Let the process at the other end copy itself; returns the channel of the copy."""
-    ours, theirs = socket.socketpair()
-    _send(holder, (_FORK, (), {}))
-    socket.send_fds(holder, [b"f"], [theirs.fileno()])
-    theirs.close()
-    _receive(ours)  # the copy has started
-    return ours
-
-
-def _serve(env: Any, channel: socket.socket) -> None:
-    """Answer calls until nobody is at the other end; never returns."""
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # copies are not waited for
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its processes
-    try:
-        while True:
-            with _connection(channel) as connection:
-                method, arguments, keywords = connection.recv()
-            if method == _FORK:
-                _, descriptors, _, _ = socket.recv_fds(channel, 1, 1)
-                copied = socket.socket(fileno=descriptors[0])
-                if os.fork() == 0:
-                    channel.close()
-                    channel = copied
-                    with _connection(channel) as connection:
-                        connection.send((None, None))
-                else:
-                    copied.close()
-                continue
-            answer: tuple[Exception | None, Any]
-            try:
-                answer = (None, getattr(env, method)(*arguments, **keywords))
-            except Exception as error:
-                answer = (WorldError(f"{type(error).__name__}: {error}"), None)
-            with _connection(channel) as connection:
-                connection.send(answer)
-    except (EOFError, OSError):
-        pass
-    finally:
-        os._exit(0)

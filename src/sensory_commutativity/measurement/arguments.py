@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import math
 import numbers
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -133,17 +132,3 @@ def try_distance(world: World, distance: Distance, seed: int, length: int, rest_
         raise ArgumentError(
             f"distance: expected 0 for two equal observations, got {value!r}; correct the function"
         )
-
-
-def check_names(name: str, chosen: Sequence[str] | None, known: Sequence[str]) -> tuple[str, ...]:
-    """The chosen names, all of `known` by default. Raises ArgumentError for an unknown one."""
-    if chosen is None:
-        return tuple(known)
-    if isinstance(chosen, str):
-        raise ArgumentError(f"{name}: expected a list of names, got {chosen!r}; write [{chosen!r}]")
-    for one in chosen:
-        if one not in known:
-            raise ArgumentError(f"{name}: there is no {one!r}; choose from {', '.join(known)}")
-    if not chosen:
-        raise ArgumentError(f"{name}: expected at least one of {', '.join(known)}")
-    return tuple(chosen)

@@ -48,7 +48,7 @@ class DofOrder:
 
     @property
     def ties(self) -> list[tuple[str, str]]:
-        """Pairs that cannot be told apart."""
+        """Pairs without a significant difference."""
         tied = self.pairs[~self.pairs["distinct"]]
         return list(zip(tied["lower"], tied["higher"], strict=True))
 
@@ -61,12 +61,12 @@ class DofOrder:
             lines.append(f"{row.rank:3}  {row.dof:{width}}  {row.scp:.3f}  {interval}")
         if not len(self.pairs):
             return "\n".join(lines)
-        told = int(self.pairs["distinct"].sum())
+        distinct = int(self.pairs["distinct"].sum())
         lines.append(
-            f"{told} of {len(self.pairs)} pairs can be told apart "
+            f"{distinct} of {len(self.pairs)} pairs differ significantly "
             f"(McNemar's test, Holm's correction, level {self.alpha:g})"
         )
-        if self.ties and told:
+        if self.ties and distinct:
             shown = [f"{a} and {b}" for a, b in self.ties[:MAX_TIES]]
             more = len(self.ties) - len(shown)
             shown += [f"and {more} more (see .pairs)"] if more else []
