@@ -53,7 +53,7 @@ def test_every_declared_column_is_computed(config, experiments) -> None:
     assert torque["scp"].max() < 1 and torque["verdict"].str.startswith("no effect").all()
     drawn = figure({"atlas_scp": table}, config)
     titles = [axes.get_title() for axes in drawn.axes if axes.get_visible()]
-    assert titles == ["Reacher-v5 (servo)", "Reacher-v5 (direct)"]
+    assert titles == ["reacher (servo)", "reacher-torque (direct)"]
     plt.close(drawn)
 
 

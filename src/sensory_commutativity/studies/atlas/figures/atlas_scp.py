@@ -41,9 +41,11 @@ def atlas_scp(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     for axes in grid.ravel():
         axes.set_visible(False)
     for axes, name in zip(grid.ravel(), names, strict=False):
-        _draw(axes, table[table["environment"] == name], environments(config)[name].env_id)
-    for axes in grid[-1]:
-        axes.set_xlabel("SCP")
+        _draw(axes, table[table["environment"] == name], name)
+    for i in range(min(COLUMNS, len(names))):  # the lowest panel of each column
+        lowest = grid[(len(names) - 1 - i) // COLUMNS, i]
+        lowest.tick_params(labelbottom=True)
+        lowest.set_xlabel("SCP")
     handles = [
         Line2D([], [], color=BLUE, marker="o", linestyle="", label="all experiments"),
         Line2D([], [], color=VERMILION, marker="|", markersize=9, linestyle="",
@@ -55,7 +57,7 @@ def atlas_scp(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     return drawn
 
 
-def _draw(axes: Axes, rows: pd.DataFrame, title: str) -> None:
+def _draw(axes: Axes, rows: pd.DataFrame, name: str) -> None:
     axes.set_visible(True)
     rows = rows.sort_values(["scp", "area"], ascending=True)
     y = np.arange(len(rows))
@@ -73,4 +75,4 @@ def _draw(axes: Axes, rows: pd.DataFrame, title: str) -> None:
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.set_xlim(-0.04, 1.04)
     axes.grid(axis="x", alpha=0.3)
-    axes.set_title(f"{title} ({rows['control'].iloc[0]})", fontsize=8.5)
+    axes.set_title(f"{name} ({rows['control'].iloc[0]})", fontsize=8)
