@@ -126,3 +126,12 @@ def test_starts_can_be_chosen() -> None:
 def test_unknown_environments_are_answered_with_near_names(name: str, message: str) -> None:
     with pytest.raises(ArgumentError, match=message):
         make_environment(name)
+
+
+def test_sensors_of_the_world_move_by_contact_alone() -> None:
+    world = from_gymnasium(make_environment("Pusher-v5"), sensors=["world"])
+    assert "6 of 23 sensors are of the world" in world.choices  # the object, and the goal
+    equal, other = np.zeros(6), np.array([0.05, 0, 0, 0, 0, 0])
+    assert world.distance(equal, equal) == 0 and world.distance(equal, other) > 0.1
+    fetch = from_gymnasium(make_environment("FetchReach-v4"), sensors=["world"], tries=1)
+    assert any("sensors are of the world" in choice for choice in fetch.choices)

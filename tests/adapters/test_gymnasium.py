@@ -117,3 +117,14 @@ def test_as_world_takes_worlds_and_functions() -> None:
     world = Corridor()
     assert as_world(world) is world
     assert isinstance(as_world(lambda: Corridor()), Corridor)
+
+
+def test_a_start_may_be_the_reset_itself() -> None:
+    world = from_gymnasium(Reach(), prefix=0, settle=0)
+    world.reset(np.random.default_rng(0))
+    assert (np.abs(world.observe()[1:]) <= 5).all()
+
+
+def test_sensors_of_the_world_need_contacts() -> None:
+    with pytest.raises(ArgumentError, match="world needs a simulator that tells what touches"):
+        from_gymnasium(Reach(), sensors=["world"])

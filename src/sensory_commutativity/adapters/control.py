@@ -88,20 +88,25 @@ class DirectControl:
     def begin(self) -> None:
         """Start an episode; called after the environment's reset."""
 
-    def command(self, action: np.ndarray) -> np.ndarray:
-        """The environment's own action for `action`, float (n,) in [-1, 1]."""
-        span = np.where(action >= 0, self.high - self.middle, self.middle - self.low)
-        return self._own(self.middle + action * span)
+    def commands(self, actions: np.ndarray) -> np.ndarray:
+        """The environment's own actions for `actions`, float (steps, n) in [-1, 1], in their order.
+
+        A further action of 0 repeats the last command.
+        """
+        return self._own(self._scale(actions))
 
     def room(self) -> tuple[np.ndarray, np.ndarray]:
         """Actions of 1 that lead to the lower and to the upper stop; infinite if not known."""
         return np.full(self.n, np.inf), np.full(self.n, np.inf)
 
+    def _scale(self, actions: np.ndarray) -> np.ndarray:
+        """From [-1, 1] to the environment's range, float (steps, n)."""
+        span = np.where(actions >= 0, self.high - self.middle, self.middle - self.low)
+        return self.middle + actions * span
+
     def _own(self, values: np.ndarray) -> np.ndarray:
-        own = values.reshape(self._shape).astype(self._dtype)
-        return np.clip(own, self.low.reshape(self._shape), self.high.reshape(self._shape)).astype(
-            self._dtype
-        )
+        own = np.clip(values.astype(self._dtype), self.low, self.high).astype(self._dtype)
+        return own.reshape(-1, *self._shape)
 
 
 class IncrementControl(DirectControl):
@@ -113,9 +118,10 @@ class IncrementControl(DirectControl):
     def begin(self) -> None:
         self.state = np.zeros(self.n)
 
-    def command(self, action: np.ndarray) -> np.ndarray:
-        self.state = np.clip(self.state + SPEED * action, -1.0, 1.0)
-        return super().command(self.state)
+    def commands(self, actions: np.ndarray) -> np.ndarray:
+        states = _accumulate(self.state, SPEED * actions, -1.0, 1.0)
+        self.state = states[-1]
+        return super().commands(states[1:])
 
     def room(self) -> tuple[np.ndarray, np.ndarray]:
         return (self.state + 1) / SPEED, (1 - self.state) / SPEED
@@ -173,13 +179,14 @@ class ServoControl(DirectControl):
     def begin(self) -> None:
         self.state = self._data.qpos[self._address].copy()
 
-    def command(self, action: np.ndarray) -> np.ndarray:
-        target = self.state + SPEED * action[self.motors]
-        self.state = np.clip(target, self._stops[:, 0], self._stops[:, 1])
-        span = np.where(action >= 0, self.high - self.middle, self.middle - self.low)
-        values = self.middle + action * span
-        values[self.motors] = self.state
-        return values.reshape(self._shape).astype(self._dtype)  # targets may lie beyond its range
+    def commands(self, actions: np.ndarray) -> np.ndarray:
+        steps = SPEED * actions[:, self.motors]
+        states = _accumulate(self.state, steps, self._stops[:, 0], self._stops[:, 1])
+        self.state = states[-1]
+        values = self._scale(actions)
+        values[:, self.motors] = states[1:]
+        # Targets may lie beyond the range of the environment's own actions.
+        return values.astype(self._dtype).reshape(-1, *self._shape)
 
     def room(self) -> tuple[np.ndarray, np.ndarray]:
         down, up = super().room()
@@ -194,6 +201,18 @@ CONTROLS: dict[str, type[DirectControl]] = {
     "servo": ServoControl,
 }
 """Name -> class."""
+
+
+def _accumulate(
+    start: np.ndarray, steps: np.ndarray, low: np.ndarray | float, high: np.ndarray | float
+) -> np.ndarray:
+    """Positions on the way from `start` by `steps`, float (steps, n), that stay between `low` and
+    `high`; with the start itself, float (steps + 1, n)."""
+    reached = np.cumsum(np.concatenate([start[None], steps]), axis=0)
+    if len(steps) and ((reached[1:] < low) | (reached[1:] > high)).any():
+        for i, step in enumerate(steps):
+            reached[i + 1] = np.clip(reached[i] + step, low, high)
+    return reached
 
 
 def find_motors(model: Any) -> np.ndarray:

@@ -19,6 +19,7 @@ from ..seeding import generator
 from .control import check_action_space, choose_control, restore_actuators
 from .player import Played, Player, RemotePlayer
 from .registry import NO_LIMIT
+from .sensors import WORLD, find_world_sensors, select_sensors
 from .simulators import find_mujoco
 from .snapshots import TRIES, choose_snapshots
 
@@ -82,8 +83,10 @@ class GymnasiumWorld:
     snapshots : {"auto", "native", "replay", "fork"}
         See :func:`.choose_snapshots`.
     sensors : sequence of str, optional
-        Keys of a Dict observation to use; all by default. ``["pixels"]`` is an image, 128 x 128, of
-        an environment that was made with ``render_mode="rgb_array"``.
+        Keys of a Dict observation to use; all by default. ``["world"]`` are the sensors that do not
+        move when nothing is touched (:func:`.find_world_sensors`), also of other observations.
+        ``["pixels"]`` is an image, 128 x 128, of an environment that was made with
+        ``render_mode="rgb_array"``.
     avoid_stops : bool
         Whether sequences are scaled so that no order of them reaches a joint's stop, where the
         control knows the stops.
@@ -169,13 +172,20 @@ class GymnasiumWorld:
             self.choices.append("sequences do not reach stops")
         self.dofs = _name_dofs(env, self.control.n)
         self._pixels = list(sensors or ()) == ["pixels"]
-        self._sensed = _select_sensors(env, None if self._pixels else sensors, self.name)
+        of_world = list(sensors or ()) == [WORLD]
+        named = None if self._pixels or of_world else sensors
+        self._sensed = select_sensors(env, named, self.name)
         self._last: Played | None = None
         self._touched: frozenset = frozenset()
         self._terminated = False
         self._tolerance: np.ndarray | None = None
         self._observation = np.zeros(0)
         self._measure_unit()
+        if of_world:
+            self._keep_sensors(find_world_sensors(self))
+        still = int(np.isinf(self.unit).sum())
+        if still and not self._pixels:
+            self.choices.append(f"{still} of {len(self.unit)} sensors never moved before a start")
 
     # ---- the protocol World ---------------------------------------------------------------------
 
@@ -219,6 +229,13 @@ class GymnasiumWorld:
             self._note(self._player.play(np.zeros((0, self.control.n))))
         return self._observation[self._sensed].copy()
 
+    def trace(self, actions: np.ndarray, most_rest: int) -> np.ndarray:
+        """Play actions and rest; returns the sensors after every step, float64 (steps, size)."""
+        played = self._player.play(np.clip(actions, -1.0, 1.0), most_rest, self._tolerance, True)
+        self._note(played)
+        assert played.visited is not None
+        return played.visited[:, self._sensed]
+
     # ---- what the protocol does not ask for -----------------------------------------------------
 
     def happened(self) -> Events:
@@ -246,12 +263,12 @@ class GymnasiumWorld:
         """Root mean square of the differences, each in units of its sensor.
 
         Sensors that never moved on the way to starts, such as goals, do not count, unless the two
-        observations differ in them: then they do, in the median unit of the others.
+        observations differ in them: then they do, in units of their spread over the starts, or if
+        they are the same at all starts, in the median unit of the others.
         """
         difference = first - second
         counts = np.isfinite(self.unit) | (difference != 0)
-        unit = np.where(np.isfinite(self.unit), self.unit, self._median_unit)
-        scaled = difference[counts] / unit[counts]
+        scaled = difference[counts] / self._any_unit[counts]
         return float(np.sqrt(np.mean(scaled**2))) if scaled.size else 0.0
 
     def close(self) -> None:
@@ -319,15 +336,18 @@ class GymnasiumWorld:
             assert visited is not None
             ways.append(visited)
         moves = np.any([np.ptp(way, axis=0) > 0 for way in ways], axis=0)
-        spread = np.concatenate(ways).std(axis=0)
-        everything = np.where(moves, spread, np.inf)
+        visited = np.concatenate(ways)
+        spread = visited.std(axis=0)
         self._tolerance = np.where(moves, STILL * spread, np.inf)
-        self.unit = everything[self._sensed]
-        finite = self.unit[np.isfinite(self.unit)]
-        self._median_unit = float(np.median(finite)) if len(finite) else 1.0
-        still = len(self.unit) - len(finite)
-        if still and not self._pixels:
-            self.choices.append(f"{still} of {len(self.unit)} sensors never moved before a start")
+        median = float(np.median(spread[moves])) if moves.any() else 1.0
+        self.unit = np.where(moves, spread, np.inf)[self._sensed]
+        self._any_unit = np.where(np.ptp(visited, axis=0) > 0, spread, median)[self._sensed]
+
+    def _keep_sensors(self, which: np.ndarray) -> None:
+        """Compare only the sensors of a mask, bool (size,)."""
+        self.choices.append(f"{which.sum()} of {len(which)} sensors are of the world")
+        self._sensed = self._sensed[which]
+        self.unit, self._any_unit = self.unit[which], self._any_unit[which]
 
 
 def from_gymnasium(env: gymnasium.Env, **options: Any) -> GymnasiumWorld:
@@ -384,38 +404,3 @@ def _name_dofs(env: gymnasium.Env, n: int) -> tuple[Dof, ...]:
         if all(found) and len(set(found)) == n:
             names = found
     return tuple(Dof(name, "1", 1.0) for name in names)
-
-
-def _select_sensors(env: gymnasium.Env, sensors: Sequence[str] | None, name: str) -> np.ndarray:
-    """Indices of the chosen sensors in the flattened observation."""
-    space = env.observation_space
-    keys = getattr(space, "spaces", None)
-    if sensors is None:
-        return np.arange(int(gymnasium.spaces.flatdim(space)) if _is_box(space) else _size(space))
-    if not isinstance(keys, dict):
-        raise ArgumentError(f"sensors: the observations of {name} have no names; leave it out")
-    chosen: list[int] = []
-    at = 0
-    for key in sorted(keys):
-        size = _size(keys[key])
-        if key in sensors:
-            chosen.extend(range(at, at + size))
-        at += size
-    for sensor in sensors:
-        if sensor not in keys:
-            raise ArgumentError(
-                f"sensors: {name} has no {sensor!r}; choose from {', '.join(map(str, keys))}"
-            )
-    return np.array(chosen, int)
-
-
-def _is_box(space: Any) -> bool:
-    return isinstance(space, gymnasium.spaces.Box)
-
-
-def _size(space: Any) -> int:
-    """Numbers in a flattened observation, as :func:`.flatten_observation` counts them."""
-    parts = getattr(space, "spaces", None)
-    if parts is None:
-        return int(np.prod(space.shape)) if space.shape is not None else 1
-    return sum(map(_size, parts.values() if isinstance(parts, dict) else parts))

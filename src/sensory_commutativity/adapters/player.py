@@ -12,6 +12,7 @@ from .control import DirectControl
 from .simulators import ContactReader, MotionReader
 from .snapshots import ForkSnapshots, Snapshots, flatten_observation
 
+NOTHING = np.zeros(0)
 QUIET_STEPS = 3
 """Steps in a row in which nothing moves that is sensed: then the environment is still. Chosen."""
 
@@ -89,14 +90,16 @@ class Player:
         keep : bool
             Whether to return all observations.
         """
-        touched: set[tuple[int, ...]] = set()
-        visited, nothing = [], np.zeros(self.control.n)
-        terminated, quiet, steps, n = False, 0, 0, len(actions)
+        touched: set[frozenset] = set()
+        visited = []
+        commands = self.control.commands(actions) if len(actions) else NOTHING
+        pause = self.control.commands(np.zeros((1, self.control.n)))[0] if most_rest else NOTHING
+        terminated, quiet, steps, n, fastest = False, 0, 0, len(actions), 0
         before = self._observation
+        step = self.env.step if self.snapshots is None else self.snapshots.step
         while steps < n + most_rest and quiet < QUIET_STEPS:
-            step = self.env.step if self.snapshots is None else self.snapshots.step
-            command = self.control.command(actions[steps] if steps < n else nothing)
-            raw, _, ended, truncated, _ = step(command)
+            # A pause is copied, since an environment may change the array that it is given.
+            raw, _, ended, truncated, _ = step(commands[steps] if steps < n else pause.copy())
             if truncated and not ended:
                 raise WorldError(
                     "the environment truncates its episodes although its TimeLimit was lifted; "
@@ -105,17 +108,24 @@ class Player:
             steps += 1
             now = flatten_observation(raw)
             if steps > n and tolerance is not None:
-                quiet = quiet + 1 if (np.abs(now - before) <= tolerance).all() else 0
+                # A sensor that moved mostly goes on moving: the others need not be looked at then.
+                if abs(now[fastest] - before[fastest]) <= tolerance[fastest]:
+                    moves = np.abs(now - before) > tolerance
+                    fastest = int(moves.argmax())
+                    quiet = 0 if moves[fastest] else quiet + 1
+                else:
+                    quiet = 0
             terminated = terminated or bool(ended)
             if self.contacts.known:
-                touched |= self.contacts.pairs()
+                touched.add(self.contacts.pairs())
             if keep:
                 visited.append(now)
             before = now
         self._observation = before
         return Played(
-            before, frozenset(touched), self.motion.positions(), terminated, max(steps - n, 0),
-            quiet >= QUIET_STEPS, np.array(visited) if keep else None,
+            before, frozenset().union(*touched), self.motion.positions(), terminated,
+            max(steps - n, 0), quiet >= QUIET_STEPS,
+            np.reshape(visited, (-1, before.size)) if keep else None,
         )  # fmt: skip
 
     def room(self) -> tuple[np.ndarray, np.ndarray]:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import WorldError
 from .worlds import build_world, list_worlds, world_options
+
+if TYPE_CHECKING:
+    from ..measurement.measurement import Measurement
 
 FILE: Any = click.Path(dir_okay=False, path_type=Path)
 
@@ -84,6 +88,7 @@ def measure(
     written = [str(path) for path in (out, plot) if path is not None]
     if written:
         click.echo(f"\nwritten: {', '.join(written)}")
+    _refuse_if_terminated(measurement)
 
 
 @click.command()
@@ -113,6 +118,17 @@ def check(
     click.echo(str(report))
     if not report.passed:
         raise SystemExit(1)
+
+
+def _refuse_if_terminated(measurement: Measurement) -> None:
+    """Raise WorldError if an episode ended within every sequence: nothing can be read then."""
+    terminated = measurement.controls.get("terminated")
+    if terminated is not None and len(terminated) and (terminated == 1).all():
+        raise WorldError(
+            f"{measurement.settings.world}: everything terminated: every sequence ended its "
+            "episode, so no SCP is defined; choose a shorter --length, or switch termination off "
+            "(-o terminate_when_unhealthy=false in gymnasium's MuJoCo environments)"
+        )
 
 
 def _check_format(plot: Path) -> None:

@@ -32,7 +32,9 @@ def world_options(function: Callable[..., Any]) -> Callable[..., Any]:
             help="Option of the world, e.g. -o objects=4; may be given several times.",
         ),
         click.option(
-            "--sensors", help="Keys of an environment's observation, with commas; or pixels."
+            "--sensors",
+            help="Keys of an environment's observation, with commas; or world (sensors that move "
+            "only if something is touched); or pixels.",
         ),
         click.option(
             "--control", type=click.Choice(["auto", "direct", "increments", "servo"]),

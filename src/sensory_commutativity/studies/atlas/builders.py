@@ -43,6 +43,7 @@ def build_environment(settings: EnvironmentConfig) -> GymnasiumWorld:
         make_environment(settings.env_id),
         control=settings.control,
         snapshots=settings.snapshots,
+        sensors=settings.sensors,
         avoid_stops=settings.avoid_stops,
         approach=approach_fetch if settings.approach == "fetch" else None,
     )

@@ -20,12 +20,18 @@ class EnvironmentConfig(Section):
     snapshots: Literal["auto", "native", "replay", "fork"] = Field(
         "auto", description="How its state is restored."
     )
+    starts: Annotated[int, Field(ge=2, le=100_000)] | None = Field(
+        None, description="Start situations; by default those of the section."
+    )
     length: int = Field(20, ge=1, le=1000, description="Actions in a sequence.")
     rest_steps: int = Field(
         40, ge=0, le=1000, description="Most steps of rest at the end of an order."
     )
     avoid_stops: bool = Field(
         True, description="Whether sequences are scaled so that they reach no joint's stop."
+    )
+    sensors: list[str] | None = Field(
+        None, description="Keys of the observation; world: those that move by contact alone."
     )
     approach: Literal["random", "fetch"] = Field(
         "random", description="Way to a start: random actions, or a script to near the object."
@@ -36,7 +42,7 @@ class AtlasConfig(Section):
     """The SCP of standard environments."""
 
     starts: Annotated[int, Field(ge=2, le=100_000)] = Field(
-        200, description="Start situations of every environment."
+        200, description="Start situations of an environment that does not set its own."
     )
     thresholds: list[Annotated[float, Field(ge=0)]] = Field(
         [0.001, 0.01, 0.1], min_length=1,

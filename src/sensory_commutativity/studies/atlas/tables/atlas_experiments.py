@@ -32,7 +32,10 @@ def _expected(config: Config) -> Expected:
         *(Column(name, FLOAT, "1", text, nullable=True) for name, text in COLUMNS.items()),
     ),
     shards=Shards(
-        runs=lambda config: {name: atlas(config).starts for name in environments(config)},
+        runs=lambda config: {
+            name: environment.starts or atlas(config).starts
+            for name, environment in environments(config).items()
+        },
         settings=_settings,
         per_shard=lambda config: atlas(config).starts_per_job,
     ),
