@@ -9,6 +9,8 @@ rule atlas:
         TABLES / "atlas_detection.parquet",
         TABLES / "snapshot_exactness.parquet",
         FIGURES / "atlas_scp.png",
+        TABLES / "learning_comparisons.parquet",
+        FIGURES / "learning_curves.png",
     localrule: True
 
 
@@ -139,3 +141,94 @@ rule figure_atlas_scp:
         "drawing atlas_scp"
     shell:
         "sensory-commutativity figure atlas_scp --config {params.config:q} --out {output.png:q} {input:q} 2> {log:q}"
+
+rule learning_scp:
+    output:
+        TABLES / "learning_scp.parquet",
+    log:
+        LOGS / "learning_scp.log",
+    params:
+        config=RESOLVED,
+        settings=lambda w: settings("learning_scp"),
+    message:
+        "SC-experiments with the planar arm"
+    shell:
+        "sensory-commutativity table learning_scp --config {params.config:q} --out {output:q} 2> {log:q}"
+
+
+rule learning_curves_shard:
+    input:
+        TABLES / "learning_scp.parquet",
+    output:
+        DATA / "learning_curves" / "{run}.{part}.parquet",
+    log:
+        LOGS / "learning_curves" / "{run}.{part}.log",
+    benchmark:
+        BENCHMARKS / "learning_curves" / "{run}.{part}.tsv"
+    resources:
+        mem_mb=scale_with_attempt(2000),
+        runtime=scale_with_attempt(60),
+    params:
+        config=RESOLVED,
+        settings=shard_settings("learning_curves"),
+    message:
+        "training with the planar arm, action space {wildcards.run}, part {wildcards.part}"
+    shell:
+        "sensory-commutativity table learning_curves --shard {wildcards.run}.{wildcards.part} --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule learning_curves:
+    input:
+        atlas_shards("learning_curves"),
+    output:
+        TABLES / "learning_curves.parquet",
+    log:
+        LOGS / "learning_curves.log",
+    localrule: True
+    params:
+        config=RESOLVED,
+        settings=lambda w: settings("learning_curves"),
+    message:
+        "gathering the learning curves of the planar arm"
+    shell:
+        "sensory-commutativity table learning_curves --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule learning_comparisons:
+    input:
+        TABLES / "learning_curves.parquet",
+    output:
+        TABLES / "learning_comparisons.parquet",
+    log:
+        LOGS / "learning_comparisons.log",
+    localrule: True
+    params:
+        config=RESOLVED,
+        settings=lambda w: settings("learning_comparisons"),
+    message:
+        "comparing action spaces with the planar arm"
+    shell:
+        "sensory-commutativity table learning_comparisons --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
+
+
+rule figure_learning_curves:
+    input:
+        TABLES / "learning_curves.parquet",
+    output:
+        png=report(
+            FIGURES / "learning_curves.png",
+            category="Atlas",
+            caption="../report/learning_curves.rst",
+            labels={"figure": "learning_curves"},
+        ),
+        pdf=FIGURES / "learning_curves.pdf",
+    log:
+        LOGS / "figure" / "learning_curves.log",
+    localrule: True
+    params:
+        config=RESOLVED,
+        settings=lambda w: settings("learning_curves", Figure),
+    message:
+        "drawing learning_curves"
+    shell:
+        "sensory-commutativity figure learning_curves --config {params.config:q} --out {output.png:q} {input:q} 2> {log:q}"

@@ -38,6 +38,28 @@ class EnvironmentConfig(Section):
     )
 
 
+class LearningConfig(Section):
+    """PPO with the planar arm, in the action spaces that its SCPs make."""
+
+    starts: Annotated[int, Field(ge=2, le=100_000)] = Field(
+        500, description="Start situations of the SC-experiments with the arm."
+    )
+    length: int = Field(20, ge=1, le=1000, description="Actions in a sequence.")
+    threshold: float = Field(
+        0.01, ge=0, description="Largest distance that counts as equal, in units of the spread."
+    )
+    action_spaces: list[Literal["full", "truncated", "adapted", "random-half", "inverse"]] = Field(
+        ["full", "truncated", "adapted", "random-half"], min_length=2,
+        description="Action spaces in which PPO learns; the first is the one compared with.",
+    )  # fmt: skip
+    seeds: int = Field(20, ge=2, le=1000, description="Training runs per action space.")
+    steps: int = Field(61_440, ge=1, description="Steps of a training run: 30 rollouts of PPO.")
+    evaluations: int = Field(
+        10, ge=1, le=1000, description="Evaluations of a run after its start, evenly spaced."
+    )
+    evaluation_episodes: int = Field(20, ge=1, le=10_000, description="Episodes of an evaluation.")
+
+
 class AtlasConfig(Section):
     """The SCP of standard environments."""
 
@@ -57,5 +79,10 @@ class AtlasConfig(Section):
     environments: dict[Name, EnvironmentConfig] = Field(min_length=1)
     starts_per_job: int = Field(
         100, ge=1, le=100_000, description="Starts in a job; changes no result.",
+        json_schema_extra=NO_EFFECT,
+    )  # fmt: skip
+    learning: LearningConfig = LearningConfig()
+    runs_per_job: int = Field(
+        5, ge=1, le=1000, description="Training runs in a job; changes no result.",
         json_schema_extra=NO_EFFECT,
     )  # fmt: skip
