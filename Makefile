@@ -38,6 +38,7 @@ atlas: $(READY)  ## SCP of 31 standard environments (two hours of a core)
 
 bench: $(READY)  ## measure speed and print a table
 	$(BIN)/python benchmarks/bench.py
+	$(BIN)/python benchmarks/environments.py
 
 scaling: $(READY)  ## measure what a second core gives, and what the workflow itself costs
 	$(BIN)/python benchmarks/scaling.py

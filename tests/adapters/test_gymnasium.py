@@ -128,3 +128,27 @@ def test_a_start_may_be_the_reset_itself() -> None:
 def test_sensors_of_the_world_need_contacts() -> None:
     with pytest.raises(ArgumentError, match="world needs a simulator that tells what touches"):
         from_gymnasium(Reach(), sensors=["world"])
+
+
+class SameArray(gym.Env):
+    """A point that moves on while nothing is commanded; every observation is the same array."""
+
+    observation_space = spaces.Box(-np.inf, np.inf, (1,), np.float64)
+    action_space = spaces.Box(-1, 1, (1,), np.float32)
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.point = np.zeros(1)
+        return self.point, {}
+
+    def step(self, action):
+        self.point += 1.0 + action
+        return self.point, 0.0, False, False, {}
+
+
+def test_an_environment_that_returns_one_array_again_is_seen_to_move() -> None:
+    world = from_gymnasium(SameArray())
+    world.reset(np.random.default_rng(0))
+    world.restore(world.snapshot())
+    world.rest(7)
+    assert world.happened().rest_steps == 7 and not world.happened().still

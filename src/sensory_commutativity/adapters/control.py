@@ -183,8 +183,11 @@ class ServoControl(DirectControl):
         steps = SPEED * actions[:, self.motors]
         states = _accumulate(self.state, steps, self._stops[:, 0], self._stops[:, 1])
         self.state = states[-1]
-        values = self._scale(actions)
-        values[:, self.motors] = states[1:]
+        if len(self.motors) == self.n:
+            values = states[1:]
+        else:
+            values = self._scale(actions)
+            values[:, self.motors] = states[1:]
         # Targets may lie beyond the range of the environment's own actions.
         return values.astype(self._dtype).reshape(-1, *self._shape)
 
@@ -209,9 +212,9 @@ def _accumulate(
     """Positions on the way from `start` by `steps`, float (steps, n), that stay between `low` and
     `high`; with the start itself, float (steps + 1, n)."""
     reached = np.cumsum(np.concatenate([start[None], steps]), axis=0)
-    if len(steps) and ((reached[1:] < low) | (reached[1:] > high)).any():
+    if ((reached[1:] < low) | (reached[1:] > high)).any():
         for i, step in enumerate(steps):
-            reached[i + 1] = np.clip(reached[i] + step, low, high)
+            reached[i + 1] = np.minimum(np.maximum(reached[i] + step, low), high)
     return reached
 
 

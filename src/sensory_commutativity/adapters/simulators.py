@@ -59,18 +59,17 @@ class ContactReader:
     def __init__(self, env: Any):
         self._mujoco, self._bullet = find_mujoco(env), find_bullet(env)
         self.known = self._mujoco is not None or self._bullet is not None
-        self._raw, self._pairs = b"", frozenset[tuple[int, ...]]()  # of the last call
+        self._geoms: list[list[int]] = []  # of the last call
+        self._pairs = frozenset[tuple[int, ...]]()
 
     def pairs(self) -> frozenset[tuple[int, ...]]:
         """Pairs of geoms (MuJoCo), or of bodies and links (PyBullet), that touch now."""
         if self._mujoco is not None:
-            if not self._mujoco.data.ncon:
-                return frozenset()
-            geoms = self._mujoco.data.contact.geom
-            raw = geoms.tobytes()
-            if raw != self._raw:  # mostly the same contacts last for many steps
-                pairs = map(tuple, np.sort(geoms, axis=1).tolist())
-                self._raw, self._pairs = raw, frozenset(pairs)
+            data = self._mujoco.data
+            geoms = data.contact.geom.tolist() if data.ncon else []
+            if geoms != self._geoms:  # mostly the same contacts last for many steps
+                self._geoms = geoms
+                self._pairs = frozenset((min(pair), max(pair)) for pair in geoms)
             return self._pairs
         if self._bullet is not None:
             contacts = self._bullet.getContactPoints() or ()

@@ -396,13 +396,13 @@ class ExactSnapshot(gymnasium.Wrapper):
 
 
 def flatten_observation(observation: Any) -> np.ndarray:
-    """One float64 vector of an observation: an array, or a dict of them by sorted keys."""
+    """One new float64 vector of an observation: an array, or a dict of them by sorted keys."""
     if isinstance(observation, dict):
         parts = [flatten_observation(observation[key]) for key in sorted(observation)]
         return np.concatenate(parts) if parts else np.zeros(0)
     if isinstance(observation, tuple):
         return np.concatenate([flatten_observation(part) for part in observation])
-    return np.asarray(observation, np.float64).ravel()
+    return np.array(observation, np.float64).ravel()  # some environments return one array again
 
 
 # ---- the self-test -------------------------------------------------------------------------------
