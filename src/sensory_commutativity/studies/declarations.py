@@ -232,7 +232,9 @@ class Table(Product):
     ----------
     columns : tuple of Column
     expected : callable, optional
-        Configuration -> which rows a complete table has.
+        Configuration -> which rows a complete table has; by default any number above 0.
+    expected_shard : callable, optional
+        Configuration and shard -> which rows it has; by default any number above 0.
     gather : callable, optional
         All rows of all shards, DataFrame -> the rows of the table.
     shards_only : bool
@@ -241,6 +243,7 @@ class Table(Product):
 
     columns: tuple[Column, ...]
     expected: Callable[[Config], Expected] | None = None
+    expected_shard: Callable[[Config, Shard], Expected] | None = None
     gather: Callable[[pd.DataFrame], pd.DataFrame] | None = None
     shards_only: bool = False
 
@@ -319,6 +322,7 @@ def table(
     inputs: Inputs = (),
     settings: Callable[[Config], object] = no_settings,
     expected: Callable[[Config], Expected] | None = None,
+    expected_shard: Callable[[Config, Shard], Expected] | None = None,
     shards: Shards | None = None,
     gather: Callable[[pd.DataFrame], pd.DataFrame] | None = None,
     shards_only: bool = False,
@@ -329,8 +333,8 @@ def table(
     """
     return lambda function: Table(
         name=function.__name__, title=title, columns=tuple(columns), inputs=inputs,
-        settings=settings, expected=expected, shards=shards, gather=gather,
-        shards_only=shards_only, compute=function,
+        settings=settings, expected=expected, expected_shard=expected_shard, shards=shards,
+        gather=gather, shards_only=shards_only, compute=function,
     )  # fmt: skip
 
 

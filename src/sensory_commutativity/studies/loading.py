@@ -10,6 +10,7 @@ import yaml
 from pydantic import ValidationError
 
 from ..errors import ConfigError
+from ..storage.atomic import atomic_write
 from ..storage.settings_errors import check_json_value, explain
 from ..storage.yamlfile import read_yaml
 from .config import Config
@@ -74,12 +75,10 @@ def write_resolved(config: Config, path: Path) -> None:
     settings = relative_paths(config.model_dump(mode="json"), path.parent)
     head = "# Written by the workflow: all settings of this run, defaults filled in.\n"
     text = head + yaml.safe_dump(settings, sort_keys=False)
-    if path.exists() and path.read_text(encoding="utf-8") == text:
+    if path.is_file() and path.read_bytes() == text.encode():
         return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.part")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)
+    with atomic_write(path) as temporary:
+        temporary.write_bytes(text.encode())
 
 
 def json_schema() -> dict[str, Any]:

@@ -21,8 +21,8 @@ from ....scp.sequences import sample_sequence
 from ....seeding import generator, seed_for
 from ....storage.columns import INT, Column
 from ...config import Config
-from ...declarations import Batched, Shards, table
-from ..builders import flatland_world
+from ...declarations import Batched, Expected, Shard, Shards, table
+from ..builders import DOFS, flatland_world
 from ..columns import DISTANCE, DOF_A, DOF_B, SEED, WORLD
 
 
@@ -31,6 +31,12 @@ def _settings(config: Config, world: str) -> object:
     agent = flatland.reference.agent
     return [flatland.sequence_length, flatland.commutation_worlds()[world], world,
             flatland.worlds[world], agent, flatland.agents[agent]]  # fmt: skip
+
+
+def _expected_shard(config: Config, shard: Shard) -> Expected:
+    pairs = len(DOFS) * (len(DOFS) + 1) // 2
+    rows = {(shard.run, i): pairs for i in range(shard.start, shard.stop)}
+    return Expected(("world", "experiment"), rows)
 
 
 @table(
@@ -54,6 +60,7 @@ def _settings(config: Config, world: str) -> object:
         per_shard=lambda config: config.flatland.commutation_per_job,
     ),
     shards_only=True,
+    expected_shard=_expected_shard,
 )  # fmt: skip
 def flatland_commutation_experiments(config: Config, world: str) -> Batched:
     """Play every unordered pair of degrees of freedom in one world."""

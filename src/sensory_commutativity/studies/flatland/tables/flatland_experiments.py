@@ -13,7 +13,7 @@ from ....scp.experiment import distances_per_dof
 from ....seeding import seed_for
 from ....storage.columns import INT, Column
 from ...config import Config
-from ...declarations import Batched, Expected, Shards, table
+from ...declarations import Batched, Expected, Shard, Shards, table
 from ..builders import DOFS, experiment_runs, flatland_world
 from ..columns import AGENT, DISTANCE, DOF, LENGTH, SEED, WORLD
 
@@ -27,6 +27,12 @@ def _settings(config: Config, run: str) -> object:
 def _expected(config: Config) -> Expected:
     rows = {run[:3]: run.experiments * len(DOFS) for run in config.flatland.runs()}
     return Expected(("world", "agent", "length"), rows)
+
+
+def _expected_shard(config: Config, shard: Shard) -> Expected:
+    run = experiment_runs(config)[shard.run]
+    rows = {(*run[:3], i): len(DOFS) for i in range(shard.start, shard.stop)}
+    return Expected(("world", "agent", "length", "experiment"), rows)
 
 
 @table(
@@ -51,6 +57,7 @@ def _expected(config: Config) -> Expected:
         per_shard=lambda config: config.flatland.experiments_per_job,
     ),
     expected=_expected,
+    expected_shard=_expected_shard,
 )  # fmt: skip
 def flatland_experiments(config: Config, run: str) -> Batched:
     """Play the SC-experiments of one agent in one world."""

@@ -33,9 +33,12 @@ if TYPE_CHECKING:
         Column("heading", FLOAT, "rad", "heading of the robot", key=True),
         Column("n", INT, "1", "SC-experiments"),
         Column("different", INT, "1", "how many the mask predictor calls different"),
-        Column("scp", FLOAT, "1", "local SCP: the fraction of the others"),
+        Column("scp", FLOAT, "1", "local SCP: the fraction of the others", low=0, high=1),
         *INTERVAL,
-        Column("scp_true", FLOAT, "1", "the same by the outcomes that the simulator knows"),
+        Column(
+            "scp_true", FLOAT, "1", "the same by the outcomes that the simulator knows",
+            low=0, high=1,
+        ),
         Column(
             "clearance", FLOAT, "m",
             "from the swept arm to the nearest fixture, median over the starts of the experiments; "

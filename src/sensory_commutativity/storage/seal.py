@@ -1,0 +1,34 @@
+"""A hash inside a file that it covers, for formats that have none: Parquet, GIF, PDF and JSON.
+
+The seal is a line of text with 64 digits. It is written with zeros in their place, the file is
+hashed, and the zeros are replaced.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+
+SEAL = f"sealed-by-sha256:{'0' * 64}"
+"""Text to be part of a file before it is sealed."""
+SEAL_KEY = "seal"
+"""Key of the seal in JSON; the first, as the comment of a GIF is cut every 255 bytes."""
+_SEAL = re.compile(rb"sealed-by-sha256:([0-9a-f]{64})")
+
+
+def seal(data: bytes) -> bytes:
+    """Replace the zeros of the one SEAL in `data`. Raises ValueError if there is another number."""
+    if data.count(SEAL.encode()) != 1:
+        raise ValueError(f"expected one seal, found {data.count(SEAL.encode())}")
+    digest = hashlib.sha256(data).hexdigest()
+    return data.replace(SEAL.encode(), SEAL.replace("0" * 64, digest).encode())
+
+
+def is_intact(data: bytes) -> bool | None:
+    """Whether sealed `data` are as they were; None if they have no seal."""
+    match = _SEAL.search(data)
+    if match is None:
+        return None
+    start, stop = match.span(1)
+    zeroed = data[:start] + b"0" * 64 + data[stop:]
+    return hashlib.sha256(zeroed).hexdigest().encode() == match[1]
