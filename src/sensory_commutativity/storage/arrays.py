@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import json
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -42,6 +43,38 @@ REMEDY = "delete it, and run the workflow again"
 
 class ArrayFileError(UserError):
     """A file of arrays is missing, damaged or of another kind."""
+
+
+class StoredArrays(dict[str, np.ndarray]):
+    """Arrays by name. One that is asked for and missing raises ArrayFileError."""
+
+    def __init__(self, path: Path, arrays: Mapping[str, np.ndarray]):
+        super().__init__(arrays)
+        self._path = path
+
+    def __missing__(self, name: str) -> np.ndarray:
+        raise ArrayFileError(f"{self._path}: has no array {name!r}; {REMEDY}")
+
+
+class StoredTexts(dict[str, str]):
+    """Texts by name. One that is asked for and missing raises ArrayFileError."""
+
+    def __init__(self, path: Path, texts: Mapping[str, str]):
+        super().__init__(texts)
+        self._path = path
+
+    def __missing__(self, name: str) -> str:
+        raise ArrayFileError(f"{self._path}: has no text {name!r}; {REMEDY}")
+
+    def json_list(self, name: str) -> list[str]:
+        """The list of texts that a text holds as JSON. Raises ArrayFileError."""
+        try:
+            values = json.loads(self[name])
+        except (TypeError, ValueError, RecursionError):
+            values = None
+        if not isinstance(values, list) or not all(isinstance(v, str) for v in values):
+            raise ArrayFileError(f"{self._path}: its text {name!r} is no list of texts; {REMEDY}")
+        return values
 
 
 def write_arrays(
@@ -92,7 +125,7 @@ def write_arrays(
 
 def read_arrays(
     path: Path, content: str | None, remedy: str = REMEDY
-) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+) -> tuple[StoredArrays, StoredTexts]:
     """Read the arrays and the metadata that :func:`write_arrays` wrote.
 
     Raises ArrayFileError if the file is missing, damaged, too large, of another version, holds
@@ -103,7 +136,7 @@ def read_arrays(
         metadata, digest = _metadata(file), file.attrs.get("sha256")
         if _hash(arrays, metadata) != digest:
             raise ArrayFileError(f"{path}: damaged, its content does not match its hash; {remedy}")
-    return arrays, metadata
+    return StoredArrays(path, arrays), StoredTexts(path, metadata)
 
 
 def read_array_metadata(path: Path, content: str | None, remedy: str = REMEDY) -> dict[str, str]:

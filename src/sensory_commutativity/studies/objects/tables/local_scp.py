@@ -7,7 +7,6 @@ predictor can be applied to the same pictures.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -79,7 +78,7 @@ def _rows(path: Path, predictor: MaskPredictor, config: Config) -> list[tuple]:
     from ....storage.arrays import read_arrays
 
     arrays, texts = read_arrays(path, "local_scp_experiments")
-    rooms, nearest = json.loads(texts["rooms"]), json.loads(texts["nearest"])
+    rooms, nearest = texts.json_list("rooms"), texts.json_list("nearest")
     n = config.masks.map.experiments
     predicted = classify_outcomes(predictor.predict_proba(arrays["pictures"]), predictor.thresholds)
     different = (predicted == OUTCOMES.index("different")).reshape(-1, n)
