@@ -31,7 +31,8 @@ def check_regular_file(
         reason = getattr(problem, "strerror", None) or problem
         raise error(f"{path}: cannot be read ({reason}); {remedy}") from None
     if not stat.S_ISREG(status.st_mode):
-        raise error(f"{path}: is {describe_mode(status.st_mode)}, not a regular file; {remedy}")
+        kind = describe_mode(status.st_mode)
+        raise error(f"{path}: cannot be read: it is {kind}, not a regular file; {remedy}")
     if max_bytes is not None and status.st_size > max_bytes:
         raise error(
             f"{path}: has {status.st_size:,} bytes, more than the {max_bytes:,} that such a file "

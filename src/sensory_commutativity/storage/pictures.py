@@ -29,8 +29,8 @@ size are compared within 1 GB."""
 MAX_ELONGATION = 5
 """Longer side of a photograph in shorter sides; chosen: a panorama has 3, and the memory of a
 comparison grows with the square."""
-MAX_FRAME_PIXELS = 1_000_000_000
-"""Of all frames of an animation; chosen: ten times our longest, and decoded within seconds."""
+MAX_FRAME_PIXELS = 200_000_000
+"""Of all frames of an animation; chosen: four times our longest, and decoded within seconds."""
 
 
 class PictureError(UserError):

@@ -13,7 +13,9 @@ SEAL = f"sealed-by-sha256:{'0' * 64}"
 """Text to be part of a file before it is sealed."""
 SEAL_KEY = "seal"
 """Key of the seal in JSON; the first, as the comment of a GIF is cut every 255 bytes."""
-_SEAL = re.compile(rb"sealed-by-sha256:([0-9a-f]{64})")
+_SEAL = re.compile(rb"sealed-by-sha256:(.{64})", re.DOTALL)
+_TRACES = (b"sealed-by", b"sha256:")
+"""What is left of a damaged seal."""
 
 
 def seal(data: bytes) -> bytes:
@@ -28,7 +30,7 @@ def is_intact(data: bytes) -> bool | None:
     """Whether sealed `data` are as they were; None if they have no seal."""
     match = _SEAL.search(data)
     if match is None:
-        return None
+        return False if any(trace in data for trace in _TRACES) else None
     return hashlib.sha256(unseal(data)).hexdigest().encode() == match[1]
 
 

@@ -10,7 +10,7 @@ import pandas as pd
 from ..errors import TableError
 from ..storage.files import printable
 from .config import Config
-from .declarations import Expected, Model, Product, Shard, Table
+from .declarations import Expectation, Expected, Model, Product, Shard, Table
 from .provenance import provenance
 from .registry import KINDS, settings_digest
 
@@ -94,8 +94,14 @@ def check_shard(
         raise TableError(f"{path}: has no rows; {again}")
 
 
-def check_rows(frame: pd.DataFrame, expected: Expected, path: Path, again: str) -> None:
+def check_rows(frame: pd.DataFrame, expected: Expectation, path: Path, again: str) -> None:
     """Raise TableError unless `frame` has the rows that are expected, no more and no less."""
+    for one in expected if isinstance(expected, tuple) else (expected,):
+        if one.columns:
+            _check_groups(frame, one, path, again)
+
+
+def _check_groups(frame: pd.DataFrame, expected: Expected, path: Path, again: str) -> None:
     columns = list(expected.columns)
     sizes = frame.groupby(columns, sort=False, dropna=False).size() if len(frame) else pd.Series()
     found = {key if isinstance(key, tuple) else (key,): int(n) for key, n in sizes.items()}

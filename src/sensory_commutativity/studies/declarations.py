@@ -135,13 +135,17 @@ class Expected:
     Attributes
     ----------
     columns : tuple of str
-        Leading part of the key.
+        Part of the key; with none, any number of rows is complete.
     counts : mapping
         Values of `columns` -> number of rows; None for any number above 0.
     """
 
     columns: tuple[str, ...]
     counts: Mapping[tuple, int | None]
+
+
+Expectation = Expected | tuple[Expected, ...]
+"""What must hold of the rows: several if they are counted by several groups of columns."""
 
 
 @dataclass(frozen=True)
@@ -242,8 +246,8 @@ class Table(Product):
     """
 
     columns: tuple[Column, ...]
-    expected: Callable[[Config], Expected] | None = None
-    expected_shard: Callable[[Config, Shard], Expected] | None = None
+    expected: Callable[[Config], Expectation] | None = None
+    expected_shard: Callable[[Config, Shard], Expectation] | None = None
     gather: Callable[[pd.DataFrame], pd.DataFrame] | None = None
     shards_only: bool = False
 
@@ -321,8 +325,8 @@ def table(
     columns: Sequence[Column],
     inputs: Inputs = (),
     settings: Callable[[Config], object] = no_settings,
-    expected: Callable[[Config], Expected] | None = None,
-    expected_shard: Callable[[Config, Shard], Expected] | None = None,
+    expected: Callable[[Config], Expectation] | None = None,
+    expected_shard: Callable[[Config, Shard], Expectation] | None = None,
     shards: Shards | None = None,
     gather: Callable[[pd.DataFrame], pd.DataFrame] | None = None,
     shards_only: bool = False,

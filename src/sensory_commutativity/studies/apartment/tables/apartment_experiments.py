@@ -100,13 +100,21 @@ def _units(config: Config) -> dict[str, int]:
     return {name: run.experiments for name, run in experiment_runs(config).items()}
 
 
-def _expected(config: Config) -> Expected:
+def _expected(config: Config) -> tuple[Expected, ...]:
     settings, dofs = config.apartment, count_dofs(config.apartment)
     counts = {
         run[:4]: run.experiments * dofs[run.robot] * len(settings.views(run))
         for run in settings.runs()
     }
-    return Expected(("robot", "apartment", "start", "length"), counts)
+    units = {
+        (*run[:4], i): counts[run[:4]] // run.experiments
+        for run in settings.runs()
+        for i in range(run.experiments)
+    }
+    return (
+        Expected(("robot", "apartment", "start", "length"), counts),
+        Expected(("robot", "apartment", "start", "length", "experiment"), units),
+    )
 
 
 def _expected_shard(config: Config, shard: Shard) -> Expected:

@@ -33,10 +33,12 @@ def _settings(config: Config, world: str) -> object:
             flatland.worlds[world], agent, flatland.agents[agent]]  # fmt: skip
 
 
-def _expected_shard(config: Config, shard: Shard) -> Expected:
-    pairs = len(DOFS) * (len(DOFS) + 1) // 2
-    rows = {(shard.run, i): pairs for i in range(shard.start, shard.stop)}
-    return Expected(("world", "experiment"), rows)
+def _expected_shard(config: Config, shard: Shard) -> tuple[Expected, ...]:
+    pairs, units = list(combinations_with_replacement(DOFS, 2)), range(shard.start, shard.stop)
+    return (
+        Expected(("world", "experiment"), {(shard.run, i): len(pairs) for i in units}),
+        Expected(("world", "dof_a", "dof_b"), {(shard.run, *pair): len(units) for pair in pairs}),
+    )
 
 
 @table(
