@@ -14,6 +14,7 @@ from sensory_commutativity.runs.checksums import (
     read_manifest,
     write_manifest,
 )
+from sensory_commutativity.storage.checkpoints import save_state
 from sensory_commutativity.storage.hashing import sha256
 from tests.runs.examples import FILES, GIF, POLICY, SHARD, TABLE, damage, set_time_after_checksums
 
@@ -41,7 +42,7 @@ def test_an_unmodified_file_keeps_its_checksum(run):
 
 
 def test_modified_new_and_deleted_files_are_updated(run):
-    (run / POLICY).write_bytes(b"trained again")
+    save_state(run / POLICY, {"about": {}, "trained": "again"})
     set_time_after_checksums(run, POLICY)
     (run / "figures/new.pdf").write_bytes(b"new")
     (run / GIF).unlink()

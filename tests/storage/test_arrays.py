@@ -13,6 +13,7 @@ from sensory_commutativity.storage.arrays import (
     unpack_masks,
     write_arrays,
 )
+from tests.storage.rehash import rehash
 
 ARRAYS = {
     "pictures": np.arange(6000, dtype=np.uint8).reshape(10, 20, 30),
@@ -51,6 +52,8 @@ def test_a_missing_damaged_or_other_file_is_refused_with_the_reason(tmp_path):
     data = path.read_bytes()
     with h5py.File(path, "a") as file:
         file.attrs["format"] = -1
+    check("damaged")
+    rehash(path)
     check("another version")
     flipped = bytearray(data)
     flipped[data.index(bytes(range(40, 60)))] ^= 64  # in the pictures

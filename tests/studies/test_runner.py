@@ -102,16 +102,18 @@ def test_a_table_is_computed_from_a_table_that_is_complete_and_of_this_configura
             refuse_rows(experiments, other)
         )
     other = tiny_config.model_copy(update={"seed": 1})
-    assert "other settings" in refuse_rows(experiments, other)
+    assert "was computed with other root seed (20210301) than" in refuse_rows(experiments, other)
+    other = tiny_config.model_copy(update={"profile": "paper"})
+    assert "was computed with other profile (default) than" in refuse_rows(experiments, other)
     path = write_frame(flatland_experiments, tiny_config, tmp_path, experiments)
     content = path.read_bytes()
     for size in (0, 100, len(content) - 10):
         path.write_bytes(content[:size])
-        assert "delete it and run again" in refuse(flatland_scp, tiny_config, [path], out)
+        assert "; delete it and run the workflow" in refuse(flatland_scp, tiny_config, [path], out)
     write_table(path, "flatland_scp", flatland_experiments.columns[:4], experiments, {})
     assert "not a flatland_experiments table" in refuse(flatland_scp, tiny_config, [path], out)
     write_table(path, "flatland_experiments", flatland_experiments.columns, experiments, {})
-    assert "other settings" in refuse(flatland_scp, tiny_config, [path], out)
+    assert "other profile (none)" in refuse(flatland_scp, tiny_config, [path], out)
     path.unlink()
     assert "there is no such table; run the workflow" in (
         refuse(flatland_scp, tiny_config, [path], out)
@@ -255,7 +257,10 @@ def test_shards_must_be_all_there_once_and_of_this_configuration(
     other = update_flatland(tiny_config, rest_steps=4)
     message = refuse_shards(other)
     assert message.startswith(f"{paths[0]}: was computed with other settings than")
-    assert message.endswith("; delete it and run the workflow again")
+    assert message.endswith(
+        "; delete it and run the workflow again, or: sencom table flatland_experiments --shard "
+        f"{RUN}.1-of-2 --config results/default/config.yaml"
+    )
     # another cut has other file names, or the same names for other units
     recut = update_flatland(tiny_config, experiments_per_job=4)
     message = refuse_shards(recut)
@@ -272,10 +277,17 @@ def test_shards_must_be_all_there_once_and_of_this_configuration(
     paths[1].unlink()
     assert "2-of-2.parquet: there is no such table" in refuse_shards()
     shard = flatland_experiments.shards.find(tiny_config, f"{RUN}.2-of-2")
-    rows = experiments[24:39]
-    write_frame(flatland_experiments, tiny_config, tmp_path, rows, shard)
-    message = refuse_shards()
-    assert "incomplete: world furnished, agent polyphemus, length 4; delete its shards" in message
+    for rows, problem in (
+        (experiments[24:39], "incomplete: world furnished, agent polyphemus, length 4, experiment"),
+        (experiments[24:32], "missing: world furnished, agent polyphemus, length 4, experiment 4"),
+        (experiments[16:40], "not part of the configuration: world furnished, agent polyphemus"),
+        (experiments[24:24], "missing: world furnished, agent polyphemus, length 4, experiment 3"),
+        (experiments[24:40].assign(world="attic"), "missing: world furnished"),
+        (experiments[24:40].assign(distance=-1.0), "distance is below 0 in 16 of 16 rows"),
+    ):
+        write_frame(flatland_experiments, tiny_config, tmp_path, rows, shard)
+        message = refuse_shards()
+        assert message.startswith(f"{paths[1]}: ") and problem in message
 
 
 def test_some_tables_are_read_from_shards_alone(tiny_config, tmp_path):

@@ -92,11 +92,24 @@ def read_pairs(*paths: Path) -> Pairs:
 
 def _read_file(path: Path) -> Pairs:
     arrays, texts = read_arrays(path, CONTENT)
-    kinds = json.loads(texts["kinds"])
+    kinds, pictures, masks = texts.json_list("kinds"), arrays["pictures"], arrays["masks"]
+    outcome, kind, scene = arrays["outcome"], arrays["kind"], arrays["scene"]
+    n = len(pictures)
+    fits = (
+        pictures.dtype == masks.dtype == np.uint8
+        and pictures.ndim == 5
+        and pictures.shape[1::3] == (2, 3)
+        and masks.shape == (*pictures.shape[:3], -(-pictures.shape[3] // 8))
+        and outcome.shape == kind.shape == scene.shape == (n,)
+        and np.isin(outcome, range(len(OUTCOMES))).all()
+        and np.isin(kind, range(len(kinds))).all()
+    )
+    if not fits:
+        raise ArrayFileError(f"{path}: its arrays do not fit together; {REMEDY}")
     return Pairs(
-        pictures=arrays["pictures"],
-        masks=unpack_masks(arrays["masks"], arrays["pictures"].shape[3]),
-        outcome=arrays["outcome"],
-        kind=tuple(kinds[k] for k in arrays["kind"]),
-        scene=arrays["scene"],
+        pictures=pictures,
+        masks=unpack_masks(masks, pictures.shape[3]),
+        outcome=outcome,
+        kind=tuple(kinds[k] for k in kind),
+        scene=scene,
     )

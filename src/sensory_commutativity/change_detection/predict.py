@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from PIL import Image, ImageOps, UnidentifiedImageError
+from PIL import Image
 from scipy.ndimage import maximum_filter
 
 from ..data import data_file
 from ..errors import ArgumentError
 from ..storage.atomic import atomic_write
+from ..storage.pictures import MAX_ELONGATION, read_photo
 from .decision import MASK_THRESHOLD
 from .outcome import Outcome
 from .predictor import MaskPredictor, PredictorError, check_same_size, load_predictor
@@ -135,36 +136,27 @@ def _as_picture(name: str, picture: np.ndarray | str | Path) -> np.ndarray:
 
 
 def read_picture(path: Path) -> np.ndarray:
-    """Read a picture file as RGB, upright by its EXIF tag: uint8 (h, w, 3).
+    """Read a PNG or JPEG file as RGB, upright by its EXIF tag: uint8 (h, w, 3).
 
-    Raises PredictorError if the file is missing or cannot be read as a picture.
+    Raises PredictorError if the file is missing, too large, or of another format.
     """
-    unreadable = (  # Pillow raises SyntaxError for a damaged PNG file
-        UnidentifiedImageError,
-        Image.DecompressionBombError,
-        OSError,
-        ValueError,
-        SyntaxError,
-    )
-    try:
-        with Image.open(path) as picture:
-            return np.asarray(ImageOps.exif_transpose(picture).convert("RGB"))
-    except FileNotFoundError:
-        raise PredictorError(f"{path}: there is no such file; give two pictures") from None
-    except unreadable as error:
-        raise PredictorError(
-            f"{path}: cannot be read as a picture ({str(error)[:80]}); give a PNG or JPEG file"
-        ) from None
+    return read_photo(path, PredictorError)
 
 
 def resize_to_training(picture: np.ndarray) -> np.ndarray:
     """Scale a picture, uint8 (h, w, 3), so that its shorter side has TRAINING_SIDE pixels.
 
     The longer side is rounded to SIDE_MULTIPLE, which stretches the picture by at most an eighth.
-    Raises PredictorError if a side has less than MIN_SIDE pixels.
+    Raises PredictorError if a side has less than MIN_SIDE pixels, or more than MAX_ELONGATION times
+    those of the other.
     """
     height, width = picture.shape[:2]
-    shorter = min(height, width)
+    shorter, longer = sorted((height, width))
+    if longer > MAX_ELONGATION * shorter:
+        raise PredictorError(
+            f"the pictures have {height} x {width} pixels; no side may be longer than "
+            f"{MAX_ELONGATION} times the other: crop them"
+        )
     if shorter < MIN_SIDE:
         raise PredictorError(
             f"the pictures have {height} x {width} pixels; both sides must have at least {MIN_SIDE}"

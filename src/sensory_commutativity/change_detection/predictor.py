@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
@@ -17,6 +17,7 @@ from torch import Tensor, nn
 
 from ..errors import UserError
 from ..storage.checkpoints import load_state, save_state
+from ..storage.files import printable
 from .decision import (
     MASK_THRESHOLD,
     DecisionThresholds,
@@ -29,6 +30,7 @@ from .models.raft import MaskRaft
 from .models.view_classifier import ViewClassifier, refine_masks
 from .outcome import MIN_VISIBLE_PIXELS, OUTCOMES, Outcome
 from .tta import MIN_SIDE, SIDE_MULTIPLE, half_resolution, predict_half_resolution, predict_tta
+from .untrusted import build_network, read_thresholds
 
 MODELS: dict[str, Callable[..., nn.Module]] = {"raft": MaskRaft, "flownet": MaskFlowNet}
 """Models that are trained, by name."""
@@ -41,8 +43,6 @@ tuples, where 96 % of the different pairs lie above it."""
 FORMAT = 5
 """Version of the predictor files that are written; version 4 can still be read."""
 _REMEDY = "train it: run the workflow"
-
-Network = TypeVar("Network", bound=nn.Module)
 
 
 class PredictorError(UserError):
@@ -118,7 +118,7 @@ class MaskPredictor:
         Raises
         ------
         PredictorError
-            If `pictures` has another shape or dtype.
+            If `pictures` has another shape or dtype, or if the model gives no numbers.
         """
         pictures = check_pictures(pictures)
         if self.model is None:
@@ -131,6 +131,11 @@ class MaskPredictor:
                 probabilities[batch] = remove_small_components(_sigmoid(self._logits(x)))
                 if tta:
                     self._refine(pictures[batch], x, probabilities[batch])
+        if not np.isfinite(probabilities).all():
+            raise PredictorError(
+                "the predictor gives no numbers for these pictures, so its weights are damaged; "
+                f"{_REMEDY}"
+            )
         return probabilities
 
     def _refine(self, pictures: np.ndarray, x: Tensor, probabilities: np.ndarray) -> None:
@@ -191,10 +196,10 @@ def load_predictor(path: Path, expected: str | None = None, device: str = "cpu")
         If it holds something else, another model than expected, or weights that do not fit.
     """
     state: dict[str, Any] = load_state(path, _REMEDY)
-    version = state.get("format") if isinstance(state, dict) else None
-    if version not in (4, FORMAT) or state.get("name") not in PREDICTORS:
+    version, name = state.get("format"), state.get("name")
+    known = version in (4, FORMAT) if type(version) is int else False
+    if not known or not isinstance(name, str) or name not in PREDICTORS:
         raise PredictorError(f"{path}: no mask predictor, or one of another version; {_REMEDY}")
-    name = state["name"]
     if expected is not None and name != expected:
         raise PredictorError(
             f"{path}: holds the model {name!r}, not {expected!r}; give the file of that model"
@@ -202,15 +207,15 @@ def load_predictor(path: Path, expected: str | None = None, device: str = "cpu")
     try:
         if version == 4:
             state = _upgrade_format_4(state)
-        thresholds = DecisionThresholds(*state["thresholds"])
-        model = _unpack(MODELS[name], state["model"]) if name != UNTRAINED else None
+        thresholds = read_thresholds(state["thresholds"])
+        model = build_network(MODELS[name], state["model"]) if name != UNTRAINED else None
         view_classifier = (
-            _unpack(ViewClassifier, state["view_classifier"])
+            build_network(ViewClassifier, state["view_classifier"])
             if "view_classifier" in state
             else None
         )
     except (AttributeError, KeyError, RuntimeError, TypeError, ValueError) as error:
-        reason = (str(error).splitlines() or ["?"])[0][:100]
+        reason = printable((str(error).splitlines() or ["?"])[0])[:100]
         raise PredictorError(
             f"{path}: its content does not fit this version's {name!r} ({reason}); {_REMEDY}"
         ) from None
@@ -268,17 +273,6 @@ def _pack(network: nn.Module) -> dict[str, Any]:
         for key, value in network.state_dict().items()
     }
     return dict(architecture=network.architecture, weights=weights)
-
-
-def _unpack(network_class: Callable[..., Network], packed: dict[str, Any]) -> Network:
-    """Build the network that :func:`_pack` stored. Raises what torch does if it does not fit."""
-    network = network_class(**packed["architecture"])
-    weights = {
-        key: value.float() if value.is_floating_point() else value
-        for key, value in packed["weights"].items()
-    }
-    network.load_state_dict(weights)
-    return network
 
 
 def _upgrade_format_4(state: dict[str, Any]) -> dict[str, Any]:

@@ -8,13 +8,19 @@ for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     # Jobs run side by side, one thread each; must be set before numpy is imported.
     os.environ.setdefault(_variable, "1")
 
-import importlib
+import signal
 import sys
+
+if os.path.basename(sys.argv[0]) in ("sencom", "sensory-commutativity"):
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # until entry_point: no traceback of the imports
+
+import importlib
 
 import click
 
 from ..errors import UserError
 from ..extras import missing_extra
+from ..storage.files import printable
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -80,7 +86,31 @@ def main(quiet: bool, verbose: bool) -> None:
 
 
 def entry_point() -> None:
-    """Run a command; an error that the user can correct is one line and exit code 2."""
+    """Run a command; an error that the user can correct is one line and exit code 2.
+
+    Ctrl-C ends it with exit code 130 and prints nothing, whatever it interrupts: an import that is
+    interrupted may raise any error.
+    """
+    if sys.getfilesystemencoding() != "utf-8":  # as under LC_ALL=C: file names would be ASCII
+        os.environ["PYTHONUTF8"] = "1"
+        os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])
+    interrupted: list[int] = []
+
+    def interrupt(number: int, frame: object) -> None:
+        interrupted.append(number)
+        sys.unraisablehook = lambda unraisable: None
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        _run_command()
+    except BaseException:
+        if interrupted:
+            sys.exit(130)
+        raise
+
+
+def _run_command() -> None:
     verbose = any(word in ("-v", "--verbose") for word in sys.argv[1:3])
     try:
         main(standalone_mode=False)
@@ -113,5 +143,6 @@ def entry_point() -> None:
 
 
 def _fail(message: str) -> None:
-    print(f"sensory-commutativity: error: {' '.join(message.split())}", file=sys.stderr)
+    text = printable(" ".join(message.split()))  # names and values come from files
+    print(f"sensory-commutativity: error: {text}", file=sys.stderr)
     sys.exit(2)

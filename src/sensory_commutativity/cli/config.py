@@ -9,6 +9,7 @@ import click
 
 from ..data import data_file
 from ..extras import extra_needed
+from ..storage.atomic import atomic_write
 from ..studies.config import Config
 from ..studies.loading import json_schema, load, write_resolved
 from .options import config_option, out_option
@@ -53,7 +54,8 @@ def resolve(files: tuple[str, ...], out: Path) -> None:
 @out_option
 def schema(out: Path) -> None:
     """Write the JSON schema of the configuration."""
-    out.write_text(json.dumps(json_schema(), indent=2) + "\n")
+    with atomic_write(out) as temporary:
+        temporary.write_text(json.dumps(json_schema(), indent=2) + "\n", encoding="utf-8")
 
 
 @config.command("check-start")
@@ -70,7 +72,9 @@ def check_start(config: Config, robot: str, scene: str, start: str, out: Path) -
 
     Fetches the VGG16 weights first, so that later jobs need no network.
     """
+    from ..storage.seal import SEAL, SEAL_KEY, seal
     from ..studies.apartment.builders import check_ready
+    from ..studies.provenance import provenance
 
     if config is None:
         raise click.UsageError("give the configuration of the run with --config")
@@ -79,5 +83,6 @@ def check_start(config: Config, robot: str, scene: str, start: str, out: Path) -
             f"the configuration has no run of robot {robot!r} in scene {scene!r}, start {start!r}"
         )
     ready = check_ready(config, robot, scene, start)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_text(json.dumps(ready, indent=2) + "\n", encoding="utf-8")
+    content = {SEAL_KEY: SEAL, **ready, "about": provenance(config)}
+    with atomic_write(out) as temporary:
+        temporary.write_bytes(seal(f"{json.dumps(content, indent=2)}\n".encode()))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import WorldError
+from ..storage.atomic import atomic_write
 from .worlds import build_world, list_worlds, world_options
 
 if TYPE_CHECKING:
@@ -84,7 +85,8 @@ def measure(
 
         figure = Figure(figsize=(6.4, 1.4 + 0.3 * len(measurement.dofs)), layout="constrained")
         measurement.plot(figure.add_subplot())
-        figure.savefig(plot, dpi=150)
+        with atomic_write(plot) as temporary:
+            figure.savefig(temporary, dpi=150)
     written = [str(path) for path in (out, plot) if path is not None]
     if written:
         click.echo(f"\nwritten: {', '.join(written)}")

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from ..storage.files import printable
 from ..studies.config import Config
 from ..studies.loading import load
 
@@ -20,6 +21,11 @@ class ConfigFile(click.ParamType):
 
     def convert(self, value: Any, param: Any, ctx: Any) -> Config:
         return value if isinstance(value, Config) else load(value)
+
+
+def say(text: str) -> None:
+    """Print a line. Names and values come from files, so control characters are escaped."""
+    click.echo(printable(text))
 
 
 config_option = click.option(

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..errors import UserError
 from ..extras import extra_needed
 from .options import FILE
 
@@ -22,8 +23,20 @@ def predict(first: Path, second: Path, predictor: Path | None, out: Path | None)
     of three: the same view, another view, or the same view in which objects moved. FIRST and SECOND
     are PNG or JPEG files of the same size, at least 64 pixels per side.
     """
+    check_inputs(first, second, predictor)
     with extra_needed("change-detection"):
         from ..change_detection.predict import predict_files
 
     out = out or second.with_name(f"{second.stem}-moved.png")
     click.echo(predict_files(first, second, predictor, out))
+
+
+def check_inputs(first: Path, second: Path, predictor: Path | None) -> None:
+    """Check the files before torch is imported, which takes seconds. Raises UserError."""
+    from ..storage.files import check_regular_file
+    from ..storage.pictures import read_photo
+
+    if predictor is not None:
+        check_regular_file(predictor, UserError, "give a trained predictor")
+    for path in (first, second):
+        read_photo(path)

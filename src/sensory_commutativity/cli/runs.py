@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options import FILE, out_option
+from ..storage.files import printable
+from .options import FILE, out_option, say
 
 if TYPE_CHECKING:
     from ..runs.compare import TableDifference
+    from ..runs.verify import Verification
 
 FOLDER = click.Path(exists=True, file_okay=False, path_type=Path)
 STATUS = {
@@ -35,7 +37,8 @@ def run() -> None:
 def provenance(file: Path, as_json: bool) -> None:
     """Print where a file of a run comes from.
 
-    FILE is a table, an array file, a model or a figure.
+    FILE is any file of a run: a table, an array file, a model, a figure, an animation, the report,
+    or one that carries none itself, such as the settings: then the provenance is that of the run.
     """
     from ..runs.origin import read_origin
 
@@ -43,16 +46,20 @@ def provenance(file: Path, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps(origin, indent=2))
         return
-    width = max(map(len, origin))
+    width = min(max(len(printable(key)) for key in origin), 30)
     for key, value in origin.items():
         for i, line in enumerate(_lines(key, value)):
-            click.echo(f"{key if i == 0 else '':{width}}  {line}")
+            say(f"{printable(key) if i == 0 else '':{width}}  {line}")
 
 
 def _lines(key: str, value: str) -> list[str]:
-    if key != "packages":
-        return [value]
-    return [f"{name} {version}" for name, version in json.loads(value).items()]
+    """The lines that show a value; control characters are escaped."""
+    if key in ("packages", "inputs"):
+        try:
+            return [printable(f"{name} {version}") for name, version in json.loads(value).items()]
+        except (ValueError, AttributeError):
+            pass
+    return [printable(value)]
 
 
 @run.command()
@@ -79,10 +86,10 @@ def compare(run_a: Path, run_b: Path) -> None:
         ]
         for key in ("profile", "config_sha256", "root_seed", "git_commit", "python", "platform"):
             a, b = (origin.get(key, "?") for origin in origins)
-            click.echo(f"{key:14} {a if a == b else f'{a}  |  {b}'}")
+            say(f"{key:14} {a if a == b else f'{a}  |  {b}'}")
         click.echo("")
     for difference in differences:
-        click.echo(_describe(difference))
+        say(_describe(difference))
     bad = [d for d in differences if not d.is_by_chance]
     identical = sum(d.status == "identical" for d in differences)
     by_chance = len(differences) - identical - len(bad)
@@ -124,43 +131,83 @@ def checksums(out: Path) -> None:
 @run.command()
 @click.argument("folder", metavar="RUN", type=FOLDER)
 @click.option("--remove", is_flag=True, help="Delete bad files; the workflow makes them again.")
-def verify(folder: Path, remove: bool) -> None:
-    """Check that the files of a run are as they were made.
+@click.option("--files-only", is_flag=True, help="Do not check whether the files belong together.")
+@click.option("--no-redraw", is_flag=True, help="Do not draw the figures again to compare them.")
+def verify(folder: Path, remove: bool, files_only: bool, no_redraw: bool) -> None:
+    """Check that the files of a run are as they were made, and that they belong together.
 
     RUN is a folder like results/default. Names every file that is damaged, missing or changed.
     Files are compared with the checksums that the workflow writes at its end; files without one are
-    read from end to end. The exit code is 1 if a file is bad.
+    read from end to end. Links are not followed.
+
+    Then names what contradicts the rest: tables that are incomplete or were computed with other
+    settings, files that were computed from others than are there, figures that are not what their
+    tables give (each is drawn again), a report with other figures, a mixture of configurations or
+    commits. The exit code is 1 if a file is bad or contradicts the rest.
     """
-    from ..runs.verify import remove_bad_files, verify_run
+    from ..runs.verify import verify_run
 
     result = verify_run(folder)
+    say_bad_files(folder, result)
+    contradictions = False
+    if not files_only and not remove:
+        contradictions = say_consistency(folder, not no_redraw)
+    if result.bad:
+        say_remedy(folder, result, remove)
+    if result.bad or contradictions:
+        raise SystemExit(1)
+
+
+def say_bad_files(folder: Path, result: Verification) -> None:
+    """Print the bad files, one a line, and how many files were checked."""
     for bad in result.bad:
-        click.echo(f"{folder / bad.path}: {bad.status}: {bad.reason}")
+        say(f"{folder / bad.path}: {bad.status}: {bad.reason}")
     for name, n in sorted(result.absent.items()):
         kind = "raw data" if name == "data" else "models"
-        click.echo(f"{folder / name}: {kind} not here ({n:,} files)")
+        say(f"{folder / name}: {kind} not here ({n:,} files)")
     unchecked = ""
     if result.unchecked:
         unchecked = f", {result.unchecked:,} of types that cannot be checked"
     files = "file" if len(result.bad) == 1 else "files"
-    click.echo(
+    say(
         f"{len(result.bad):,} bad {files}; {result.recorded:,} have their checksum, "
         f"{result.readable:,} without one are readable{unchecked}"
     )
-    if not result.bad:
-        return
+
+
+def say_consistency(folder: Path, redraw: bool) -> bool:
+    """Print what contradicts the rest of a run, and whether the run is clean."""
+    from ..runs.consistency import check_consistency
+
+    result = check_consistency(folder, redraw)
+    for path, reason in result.contradictions:
+        say(f"{folder / path}: contradicts the run: {reason}")
+    for note in result.notes:
+        say(f"note: {note}")
+    n = len(result.contradictions)
+    if result.is_clean:
+        say("a clean run: all files come from one configuration and one commit")
+    else:
+        say(f"not a clean run: {n:,} contradiction{'' if n == 1 else 's'}, "
+            f"{len(result.notes):,} note{'' if len(result.notes) == 1 else 's'}")  # fmt: skip
+    return n > 0
+
+
+def say_remedy(folder: Path, result: Verification, remove: bool) -> None:
+    """Delete bad files if asked to, or print what to do about them."""
+    from ..runs.verify import remove_bad_files
+
     if remove:
         for name in remove_bad_files(folder, result):
-            click.echo(f"{folder / name}: deleted")
-        click.echo("run the workflow again: it makes what is missing, and what depends on it")
+            say(f"{folder / name}: deleted")
+        say("run the workflow again: it makes what is missing, and what depends on it")
     elif "data" in result.absent:
-        click.echo("get the bad files again from where this run comes from")
+        say("get the bad files again from where this run comes from")
     else:
         changed = any(bad.status == "changed" for bad in result.bad)
         ended = "if a run has not ended, run the workflow to its end; else " if changed else ""
         command = f"sensory-commutativity run verify {folder} --remove"
-        click.echo(f"{ended}{command} deletes what is bad; then run the workflow again")
-    raise SystemExit(1)
+        say(f"{ended}{command} deletes what is bad; then run the workflow again")
 
 
 @run.command()

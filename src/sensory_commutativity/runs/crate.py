@@ -17,10 +17,12 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__
 from ..errors import UserError
 from ..storage.atomic import atomic_write
+from ..storage.files import printable
 from ..storage.hashing import sha256
 from ..storage.yamlfile import read_yaml
-from .checksums import MANIFEST, list_files, read_manifest
+from .checksums import MANIFEST, read_manifest
 from .compare import find_tables_folder
+from .entries import list_files, list_irregular
 from .origin import OriginError, read_origin
 
 if TYPE_CHECKING:
@@ -92,6 +94,7 @@ def write_crate(
             f"{ROOT / SNAKEFILE}: there is no such file, so the crate would lack the workflow; "
             "install the package from a clone (make)"
         )
+    _check_links(run)
     settings = _read_settings(run)
     files: dict[str, Path] = {}  # path in the crate -> file
     crate = ROCrate(version=ROCRATE_VERSION)
@@ -113,6 +116,16 @@ def write_crate(
             _write_entry(archive, name, path.read_bytes())
         _write_entry(archive, "ro-crate-metadata.json", metadata)
     return len(files) + 1
+
+
+def _check_links(run: Path) -> None:
+    """Raise UserError if something in a run leads out of it."""
+    links = [name for name in ("config.yaml", MANIFEST, "report.html") if (run / name).is_symlink()]
+    for name, kind in {**list_irregular(run), **dict.fromkeys(links, "a link")}.items():
+        raise UserError(
+            f"{run / printable(name)}: is {kind}, and a crate holds files of the run alone; "
+            "put what it stands for in its place, or delete it"
+        )
 
 
 def _read_settings(run: Path) -> dict[str, Any]:
@@ -223,9 +236,13 @@ def _list_source_files(folder: str) -> dict[str, Path]:
     files = {}
     for path in sorted((ROOT / folder).rglob("*")):
         relative = path.relative_to(ROOT)
-        if path.is_file() and not any(
-            part.startswith(".") or part.endswith(("__pycache__", ".egg-info"))
-            for part in relative.parts
+        if (
+            path.is_file()
+            and not path.is_symlink()
+            and not any(
+                part.startswith(".") or part.endswith(("__pycache__", ".egg-info"))
+                for part in relative.parts
+            )
         ):
             files[relative.as_posix()] = path
     return files

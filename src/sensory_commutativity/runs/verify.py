@@ -12,8 +12,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import UserError
+from ..storage.files import check_regular_file, printable, read_bounded
 from ..storage.hashing import sha256
-from .checksums import FOLDERS, MANIFEST, list_files, read_manifest
+from ..storage.seal import is_intact
+from .checksums import MANIFEST, is_made_anew, read_manifest
+from .entries import FOLDERS, find_link, is_result, list_files, list_irregular
+
+MAX_BYTES = 200_000_000
+"""Size of a PDF or JSON file; chosen: a hundred times that of our largest."""
 
 
 class BadFile(NamedTuple):
@@ -24,8 +30,8 @@ class BadFile(NamedTuple):
     path : str
         Relative to the run's folder.
     status : str
-        ``damaged``, ``missing``, or ``changed``: it is readable, does not have its checksum, and
-        was written after the checksums.
+        ``damaged``, ``missing``, ``irregular``: it is a link or no file, or ``changed``: it is
+        whole, does not have its checksum, and was made after the checksums.
     reason : str
         What is wrong, in words.
     """
@@ -56,21 +62,31 @@ class Verification(NamedTuple):
 
 
 def verify_run(run: Path) -> Verification:
-    """Check every file of a run. Raises UserError for a folder that is not a run."""
-    if not (run / MANIFEST).is_file() and not list_files(run):
+    """Check every file of a run; no link is followed. Raises UserError if it is no run."""
+    irregular = list_irregular(run)
+    if not (run / MANIFEST).exists() and not list_files(run) and not irregular:
         raise UserError(
             f"{run}: not a run, it has neither {MANIFEST} nor files in {', '.join(FOLDERS)}; "
             "give a folder like results/default"
         )
+    bad = [
+        BadFile(name, "irregular", f"is {kind}, not a file of the run")
+        for name, kind in irregular.items()
+    ]
+    if (run / MANIFEST).is_symlink():
+        bad.append(BadFile(MANIFEST, "irregular", "is a link, not a file of the run"))
+        return Verification(tuple(bad), 0, 0, 0, {})
     manifest = read_manifest(run / MANIFEST)
     manifest_time = (run / MANIFEST).stat().st_mtime_ns if manifest.hashes else 0
-    bad = [
+    bad += [
         BadFile(MANIFEST, "damaged", f"line {line} is not the checksum of a file of this run")
         for line in manifest.invalid_lines
     ]
     absent: Counter[str] = Counter()
     recorded = readable = unchecked = 0
     for name, expected in manifest.hashes.items():
+        if name in irregular or find_link(run, name) in irregular:
+            continue
         folder = _omitted_folder(run, name)
         if folder:
             absent[folder] += 1
@@ -99,10 +115,10 @@ def _compare_with_checksum(
     try:
         if sha256(path) == expected:
             return None
+        if is_made_anew(path, manifest_time):
+            return BadFile(name, "changed", "does not have its checksum, but is whole: made anew")
     except OSError as error:
         return BadFile(name, "damaged", f"cannot be read ({error.strerror})")
-    if path.stat().st_mtime_ns > manifest_time and find_damage(path) == "":
-        return BadFile(name, "changed", "does not have its checksum, but was written after it")
     return BadFile(name, "damaged", "does not have its checksum")
 
 
@@ -119,6 +135,8 @@ def _omitted_folder(run: Path, name: str) -> str:
 def remove_bad_files(run: Path, verification: Verification) -> list[str]:
     """Delete the bad files and the checksums, so that the workflow computes all that is missing.
 
+    Only results within the folder of the run are deleted, never links or what they lead to.
+
     Returns
     -------
     list of str
@@ -127,8 +145,8 @@ def remove_bad_files(run: Path, verification: Verification) -> list[str]:
     Raises
     ------
     UserError
-        If the raw data are absent; nothing is deleted then, because the workflow would compute the
-        whole run again.
+        If the raw data are absent, or if the run holds links; nothing is deleted then: in the first
+        case the workflow would compute the whole run again.
     """
     if not verification.bad:
         return []
@@ -137,10 +155,18 @@ def remove_bad_files(run: Path, verification: Verification) -> list[str]:
             f"{run / 'data'}: absent, so the workflow would compute the whole run again; "
             "copy the bad files again from where the run comes from"
         )
+    for bad in verification.bad:
+        if bad.status == "irregular":
+            raise UserError(
+                f"{run / printable(bad.path)}: {bad.reason}, so nothing is deleted; "
+                "put what it stands for in its place, or delete it"
+            )
     names = [
-        bad.path for bad in verification.bad if bad.status != "missing" and bad.path != MANIFEST
+        bad.path
+        for bad in verification.bad
+        if bad.status in ("damaged", "changed") and is_result(run, bad.path)
     ]
-    if (run / MANIFEST).exists():
+    if (run / MANIFEST).is_file() and not (run / MANIFEST).is_symlink():
         names.append(MANIFEST)  # last: if interrupted, the other files are still known as missing
     for name in names:
         (run / name).unlink(missing_ok=True)
@@ -157,11 +183,19 @@ def find_damage(path: Path) -> str | None:
     """
     check = CHECKS.get(path.suffix)
     try:
+        check_regular_file(path, UserError, "give a file of a run")
         return check(path) if check else None
     except UserError as error:
         return str(error).removeprefix(f"{path}: ")
     except Exception as error:  # the bytes decide what the readers raise
-        return f"cannot be read ({(str(error).splitlines() or ['?'])[0][:80]})"
+        return f"cannot be read ({printable((str(error).splitlines() or ['?'])[0])[:80]})"
+
+
+def carries_hash(path: Path) -> bool:
+    """Whether a readable file carries a hash of its content."""
+    if path.suffix in (".parquet", ".pdf", ".gif", ".json"):
+        return is_intact(path.read_bytes()) is not None
+    return path.suffix in CHECKS
 
 
 def _check_table(path: Path) -> str | None:
@@ -171,20 +205,14 @@ def _check_table(path: Path) -> str | None:
     name = read_metadata(path).get("table", "")  # raw data are shards with other file names
     if name not in table_names():
         return None
-    read_table(path, name, find_table(name).columns)
+    read_table(path, name, find_table(name).columns, REMEDY, require_hash=False)
     return ""
 
 
 def _check_arrays(path: Path) -> str | None:
-    import h5py
-
     from ..storage.arrays import read_arrays
 
-    with h5py.File(path, "r") as file:
-        content = file.attrs.get("content")
-    if content is None:
-        return None
-    read_arrays(path, content)
+    read_arrays(path, None, REMEDY)
     return ""
 
 
@@ -196,28 +224,32 @@ def _check_model(path: Path) -> str:
 
 
 def _check_image(path: Path) -> str:
-    from PIL import Image, ImageSequence
+    from ..storage.pictures import check_picture
 
-    with Image.open(path) as image:
-        image.verify()
-    with Image.open(path) as image:
-        for frame in ImageSequence.Iterator(image):
-            frame.load()
-    complete = path.read_bytes().endswith(_LAST_BYTES[path.suffix])  # no reader needs them
+    check_picture(path, REMEDY)
+    data = path.read_bytes()
+    if path.suffix == ".gif" and is_intact(data) is False:
+        return SEAL_BROKEN
+    complete = data.endswith(_LAST_BYTES[path.suffix])  # no reader needs them
     return "" if complete else "its end is missing"
 
 
 def _check_pdf(path: Path) -> str:
-    data = path.read_bytes()
+    data = read_bounded(path, UserError, REMEDY, MAX_BYTES)
+    if is_intact(data) is False:
+        return SEAL_BROKEN
     complete = data.startswith(b"%PDF-") and data.endswith(_LAST_BYTES[".pdf"])
     return "" if complete else "its beginning or its end is missing"
 
 
 def _check_json(path: Path) -> str:
-    json.loads(path.read_bytes())
-    return ""
+    data = read_bounded(path, UserError, REMEDY, MAX_BYTES)
+    json.loads(data)
+    return SEAL_BROKEN if is_intact(data) is False else ""
 
 
+REMEDY = "delete it and run the workflow again"
+SEAL_BROKEN = "damaged, its content does not match its hash"
 _LAST_BYTES = {".png": b"\x00\x00\x00\x00IEND\xaeB`\x82", ".gif": b"\x00;", ".pdf": b"%%EOF\n"}
 
 CHECKS: dict[str, Callable[[Path], str | None]] = {

@@ -5,12 +5,14 @@ from __future__ import annotations
 import errno
 import glob
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import UserError
+from .files import describe_mode
 
 
 @contextmanager
@@ -22,8 +24,9 @@ def atomic_write(path: Path) -> Iterator[Path]:
     Raises
     ------
     UserError
-        If the disk is full.
+        If the disk is full, or if `path` is something else than a regular file, such as a device.
     """
+    _check_replaceable(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     for stale in path.parent.glob(f".{glob.escape(path.name)}.*.part*"):
         stale.unlink(missing_ok=True)
@@ -49,3 +52,16 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def _check_replaceable(path: Path) -> None:
+    """Raise UserError unless there is a regular file at `path`, a link to one, or nothing."""
+    try:
+        mode = os.stat(path).st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    if not stat.S_ISREG(mode):
+        raise UserError(
+            f"{path}: is {describe_mode(mode)}, which writing would replace; "
+            "give the path of a file"
+        )

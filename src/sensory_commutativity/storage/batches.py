@@ -13,8 +13,10 @@ from ..errors import TableError
 from ..progress import progress
 from .columns import Column
 from .hashing import digest, sha256
-from .tables import read_table, write_table
+from .tables import read_stored_table, write_table
 
+UNITS = "batch_units"
+"""Metadata key of the units in a batch, ``START-STOP``."""
 Compute = Callable[[int, int], pd.DataFrame]
 """Rows of the units start <= i < stop; they must not depend on how units are cut into batches."""
 
@@ -60,11 +62,15 @@ def compute_in_batches(
     bounds = [(low, min(low + batch, stop)) for low in range(start, stop, batch)]
     for low, high in progress(bounds, out.stem, "batch"):
         path = kept / f"{low:08d}-{high:08d}.parquet"
+        units_of_batch = {UNITS: f"{kept.name} {low}-{high}"}
         try:
-            frame = read_table(path, name, columns)
+            stored = read_stored_table(path, name, columns)
+            if stored.metadata.get(UNITS) != units_of_batch[UNITS]:
+                raise TableError(f"{path}: is another batch")
+            frame = stored.frame
         except TableError:
             frame = compute(low, high)
-            write_table(path, name, columns, frame, metadata or {})
+            write_table(path, name, columns, frame, {**(metadata or {}), **units_of_batch})
         frames.append(frame)
     return pd.concat(frames, ignore_index=True)
 

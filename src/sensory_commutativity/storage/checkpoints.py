@@ -16,8 +16,11 @@ import torch
 
 from ..errors import UserError
 from .atomic import atomic_write
+from .files import read_bounded
 
 _HASH_BYTES = 32
+MAX_BYTES = 500_000_000
+"""Size of a file; chosen: a hundred times that of our largest model."""
 
 
 class CheckpointError(UserError):
@@ -44,19 +47,46 @@ def load_state(path: Path, remedy: str) -> dict[str, Any]:
         With `remedy`, if the file is missing, damaged, or holds anything else.
     """
     try:
-        data = path.read_bytes()
+        data = read_bounded(path, CheckpointError, remedy, MAX_BYTES)
     except FileNotFoundError:
         raise CheckpointError(f"{path}: there is no such file; {remedy}") from None
+    except OSError as error:
+        raise CheckpointError(f"{path}: cannot be read ({error.strerror}); {remedy}") from None
     expected_hash, payload = data[:_HASH_BYTES], data[_HASH_BYTES:]
     if hashlib.sha256(payload).digest() != expected_hash:
         raise CheckpointError(f"{path}: a damaged file; delete it, and {remedy}")
     try:
-        return torch.load(io.BytesIO(payload), map_location="cpu", weights_only=True)
+        state = torch.load(io.BytesIO(payload), map_location="cpu", weights_only=True)
     except Exception as error:  # torch raises all kinds for bytes that it did not write
         raise CheckpointError(
             f"{path}: holds more than tensors, numbers and text ({type(error).__name__}); "
             f"delete it, and {remedy}"
         ) from None
+    if not isinstance(state, dict):
+        raise CheckpointError(f"{path}: holds no model; delete it, and {remedy}")
+    problem = _find_oversized(state, len(payload))
+    if problem:
+        raise CheckpointError(f"{path}: {problem}; delete it, and {remedy}")
+    return state
+
+
+def _find_oversized(state: Any, size: int) -> str:
+    """What is wrong with the tensors of a file of `size` bytes, or "".
+
+    A tensor can stand for more numbers than are stored, if its strides are 0.
+    """
+    total, stack = 0, [state]
+    while stack:
+        value = stack.pop()
+        if isinstance(value, dict):
+            stack += [*value.keys(), *value.values()]
+        elif isinstance(value, list | tuple):
+            stack += value
+        elif isinstance(value, torch.Tensor):
+            if value.layout != torch.strided or value.device.type != "cpu":
+                return f"holds a tensor of the layout {value.layout}"
+            total += value.numel() * value.element_size()
+    return f"declares {total:,} bytes of numbers, more than it holds" if total > 2 * size else ""
 
 
 class Checkpoint:
@@ -72,8 +102,8 @@ class Checkpoint:
 
     def __init__(self, out: Path, settings: str):
         self.out = out
-        settings_hash = hashlib.sha256(settings.encode()).hexdigest()[:16]
-        self.path = out.with_name(f".{out.name}.{settings_hash}.checkpoint")
+        self._settings_hash = hashlib.sha256(settings.encode()).hexdigest()
+        self.path = out.with_name(f".{out.name}.{self._settings_hash[:16]}.checkpoint")
 
     def load(self) -> dict[str, Any] | None:
         """Return the state that was saved last, or None.
@@ -81,13 +111,20 @@ class Checkpoint:
         Raises
         ------
         CheckpointError
-            If the file is damaged.
+            If the file is damaged, or if it is that of another run under this name.
         """
-        return load_state(self.path, "the run starts over") if self.path.exists() else None
+        if not self.path.exists():
+            return None
+        saved = load_state(self.path, "the run starts over")
+        if saved.get("settings_sha256") != self._settings_hash or "state" not in saved:
+            raise CheckpointError(
+                f"{self.path}: is the checkpoint of another run; delete it, and the run starts over"
+            )
+        return saved["state"]
 
     def save(self, state: dict[str, Any]) -> None:
         """Save a state; see :func:`save_state`."""
-        save_state(self.path, state)
+        save_state(self.path, {"settings_sha256": self._settings_hash, "state": state})
 
     def remove(self) -> None:
         """Delete all checkpoints for `out`, once it has been written."""

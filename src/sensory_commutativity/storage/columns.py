@@ -27,6 +27,9 @@ class Column:
         Whether the column is part of the key, which no two rows share.
     nullable : bool
         Whether values may be missing, where no single number is defined.
+    low, high : float, optional
+        Range of the values, both ends included; a table with others is refused. Whole numbers are
+        counts, lengths and seeds, and none of them is negative.
     """
 
     name: str
@@ -35,6 +38,13 @@ class Column:
     description: str
     key: bool = False
     nullable: bool = False
+    low: float | None = None
+    high: float | None = None
+
+    @property
+    def lowest(self) -> float | None:
+        """The smallest value that is allowed; None if all are."""
+        return 0 if self.low is None and self.type == INT else self.low
 
 
 INTERVAL = (
@@ -42,8 +52,8 @@ INTERVAL = (
     Column("ci_high", FLOAT, "1", "upper end of the 95 % interval", nullable=True),
 )
 P_VALUES = (
-    Column("p", FLOAT, "1", "two-sided p-value"),
-    Column("p_adjusted", FLOAT, "1", "p-value after Holm's correction"),
+    Column("p", FLOAT, "1", "two-sided p-value", low=0, high=1),
+    Column("p_adjusted", FLOAT, "1", "p-value after Holm's correction", low=0, high=1),
 )
 
 

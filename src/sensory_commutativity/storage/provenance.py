@@ -12,7 +12,7 @@ from pathlib import Path
 PACKAGES = (
     "sensory-commutativity", "numpy", "pymunk", "numba", "scipy", "statsmodels", "torch", "pandas",
     "pyarrow", "gymnasium", "stable-baselines3", "sb3-contrib", "pybullet", "torchvision", "h5py",
-    "trimesh", "fast-simplification",
+    "trimesh", "fast-simplification", "matplotlib", "pillow",
 )  # fmt: skip
 
 

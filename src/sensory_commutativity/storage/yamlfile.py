@@ -13,6 +13,7 @@ from typing import Any
 import yaml
 
 from ..errors import UserError
+from .files import check_regular_file
 
 MAX_BYTES = 1_000_000
 """Size of a file; chosen: a hundred times that of our longest file."""
@@ -125,6 +126,7 @@ def read_yaml(file: str | Path, error: type[UserError], expected: str) -> Any:
     -------
     The value that the file holds: dict, list, str, int, float, bool, date or None.
     """
+    check_regular_file(Path(file), error, f"give the path of {expected}")
     try:
         with open(file, "rb") as opened:
             content = opened.read(MAX_BYTES + 1)

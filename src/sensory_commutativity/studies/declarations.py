@@ -135,13 +135,17 @@ class Expected:
     Attributes
     ----------
     columns : tuple of str
-        Leading part of the key.
+        Part of the key; with none, any number of rows is complete.
     counts : mapping
         Values of `columns` -> number of rows; None for any number above 0.
     """
 
     columns: tuple[str, ...]
     counts: Mapping[tuple, int | None]
+
+
+Expectation = Expected | tuple[Expected, ...]
+"""What must hold of the rows: several if they are counted by several groups of columns."""
 
 
 @dataclass(frozen=True)
@@ -232,7 +236,9 @@ class Table(Product):
     ----------
     columns : tuple of Column
     expected : callable, optional
-        Configuration -> which rows a complete table has.
+        Configuration -> which rows a complete table has; by default any number above 0.
+    expected_shard : callable, optional
+        Configuration and shard -> which rows it has; by default any number above 0.
     gather : callable, optional
         All rows of all shards, DataFrame -> the rows of the table.
     shards_only : bool
@@ -240,7 +246,8 @@ class Table(Product):
     """
 
     columns: tuple[Column, ...]
-    expected: Callable[[Config], Expected] | None = None
+    expected: Callable[[Config], Expectation] | None = None
+    expected_shard: Callable[[Config, Shard], Expectation] | None = None
     gather: Callable[[pd.DataFrame], pd.DataFrame] | None = None
     shards_only: bool = False
 
@@ -318,7 +325,8 @@ def table(
     columns: Sequence[Column],
     inputs: Inputs = (),
     settings: Callable[[Config], object] = no_settings,
-    expected: Callable[[Config], Expected] | None = None,
+    expected: Callable[[Config], Expectation] | None = None,
+    expected_shard: Callable[[Config, Shard], Expectation] | None = None,
     shards: Shards | None = None,
     gather: Callable[[pd.DataFrame], pd.DataFrame] | None = None,
     shards_only: bool = False,
@@ -329,8 +337,8 @@ def table(
     """
     return lambda function: Table(
         name=function.__name__, title=title, columns=tuple(columns), inputs=inputs,
-        settings=settings, expected=expected, shards=shards, gather=gather,
-        shards_only=shards_only, compute=function,
+        settings=settings, expected=expected, expected_shard=expected_shard, shards=shards,
+        gather=gather, shards_only=shards_only, compute=function,
     )  # fmt: skip
 
 

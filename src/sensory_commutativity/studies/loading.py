@@ -10,10 +10,16 @@ import yaml
 from pydantic import ValidationError
 
 from ..errors import ConfigError
+from ..storage.atomic import atomic_write
+from ..storage.files import read_bounded
+from ..storage.seal import SEAL, is_intact, seal
 from ..storage.settings_errors import check_json_value, explain
-from ..storage.yamlfile import read_yaml
+from ..storage.yamlfile import MAX_BYTES, read_yaml
 from .config import Config
 from .paths import relative_paths, resolve_paths
+
+HEAD = "# Written by the workflow: all settings of this run, defaults filled in; sealed at the end."
+"""First line of the settings of a run."""
 
 
 def validate(settings: Any) -> Config:
@@ -52,6 +58,7 @@ def read_settings(*files: str | Path) -> dict[str, Any]:
     """
     settings: dict[str, Any] = {}
     for file in files:
+        _check_seal(Path(file))
         layer = read_yaml(file, ConfigError, "a config file, e.g. config/config.yaml")
         if not isinstance(layer, dict):
             raise ConfigError(
@@ -59,6 +66,20 @@ def read_settings(*files: str | Path) -> dict[str, Any]:
             )
         settings = merge(settings, resolve_paths(layer, Path(file).parent))
     return settings
+
+
+def _check_seal(path: Path) -> None:
+    """Raise ConfigError if a file that the workflow wrote has been changed since."""
+    try:
+        content = read_bounded(path, ConfigError, "give the path of a config file", MAX_BYTES)
+    except OSError:
+        return  # the reader of YAML says why
+    intact = is_intact(content)
+    if intact is False or (intact is None and content.startswith(HEAD.encode())):
+        raise ConfigError(
+            f"{path}: damaged or changed since the workflow wrote it, its content does not match "
+            "its hash; run the workflow again, or delete its last line if you meant to change it"
+        )
 
 
 def load(*files: str | Path) -> Config:
@@ -72,14 +93,12 @@ def write_resolved(config: Config, path: Path) -> None:
     Paths are relative to the file. A file that has the same content already is not touched.
     """
     settings = relative_paths(config.model_dump(mode="json"), path.parent)
-    head = "# Written by the workflow: all settings of this run, defaults filled in.\n"
-    text = head + yaml.safe_dump(settings, sort_keys=False)
-    if path.exists() and path.read_text(encoding="utf-8") == text:
+    text = f"{HEAD}\n{yaml.safe_dump(settings, sort_keys=False)}# {SEAL}\n"
+    content = seal(text.encode())
+    if path.is_file() and path.read_bytes() == content:
         return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.part")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)
+    with atomic_write(path) as temporary:
+        temporary.write_bytes(content)
 
 
 def json_schema() -> dict[str, Any]:

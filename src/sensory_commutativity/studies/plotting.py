@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from numpy.typing import ArrayLike
 from PIL.Image import Image
 
 from ..storage.atomic import atomic_write
+from ..storage.seal import SEAL, SEAL_KEY, seal
 from .config import Config
 from .provenance import provenance
 
@@ -101,16 +103,35 @@ def save_figure(draw: Callable[[], Figure], out: Path, config: Config) -> None:
         The PNG file.
     config : Config
     """
-    metadata = provenance(config)
+    png, pdf = render_figure(draw, provenance(config))
+    for path, content in ((out, png), (out.with_suffix(".pdf"), pdf)):
+        with atomic_write(path) as temporary:
+            temporary.write_bytes(content)
+
+
+def render_figure(
+    draw: Callable[[], Figure], metadata: Mapping[str, str], sealed: bool = True
+) -> tuple[bytes, bytes]:
+    """Draw a figure in the common style: the contents of a PNG and of a PDF file.
+
+    Parameters
+    ----------
+    draw : callable
+        Returns the figure. Called within the common style.
+    metadata : mapping of str to str
+        What both files say of themselves.
+    sealed : bool
+        Whether the PDF carries a hash of itself (:mod:`..storage.seal`); PNG has checksums.
+    """
+    png, pdf = io.BytesIO(), io.BytesIO()
     with plt.rc_context(STYLE):
         figure = draw()
-        with atomic_write(out) as temporary:
-            figure.savefig(temporary, format="png", metadata={"Software": None, **metadata})
-        with atomic_write(out.with_suffix(".pdf")) as temporary:
-            omitted = dict.fromkeys(("CreationDate", "Producer", "Creator"))
-            keywords = {"Keywords": json.dumps(metadata)}
-            figure.savefig(temporary, format="pdf", metadata={**omitted, **keywords})
+        figure.savefig(png, format="png", metadata={"Software": None, **metadata})
+        omitted = dict.fromkeys(("CreationDate", "Producer", "Creator"))
+        keywords = json.dumps({SEAL_KEY: SEAL, **metadata} if sealed else dict(metadata))
+        figure.savefig(pdf, format="pdf", metadata={**omitted, "Keywords": keywords})
     plt.close(figure)
+    return png.getvalue(), seal(pdf.getvalue()) if sealed else pdf.getvalue()
 
 
 class GifWriter(PillowWriter):
@@ -132,7 +153,7 @@ class GifWriter(PillowWriter):
         super().__init__(fps=fps)
         self._frames: list[Image]  # set by PillowWriter.setup
         self._figure, self._dpi = figure, dpi
-        self._comment = json.dumps(provenance(config))
+        self._comment = json.dumps({SEAL_KEY: SEAL, **provenance(config)})
         self._writing = atomic_write(out)
 
     def __enter__(self) -> GifWriter:
@@ -146,12 +167,14 @@ class GifWriter(PillowWriter):
         plt.close(self._figure)
 
     def finish(self) -> None:
-        """Write the file. PillowWriter's own method writes no comment."""
+        """Write the file and seal it. PillowWriter's own method writes no comment."""
         first, *rest = self._frames
+        content = io.BytesIO()
         first.save(
-            self.outfile, format="GIF", save_all=True, append_images=rest,
+            content, format="GIF", save_all=True, append_images=rest,
             duration=int(1000 / self.fps), loop=0, comment=self._comment,
         )  # fmt: skip
+        Path(self.outfile).write_bytes(seal(content.getvalue()))
 
 
 # ---- labels -----------------------------------------------------------------------------------

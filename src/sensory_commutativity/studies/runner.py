@@ -9,14 +9,26 @@ from typing import Any
 import pandas as pd
 
 from ..errors import TableError, UserError
+from ..storage.batches import UNITS as BATCH_UNITS
 from ..storage.batches import compute_in_batches, remove_batches
-from ..storage.tables import check_key, read_metadata, read_table, write_table
+from ..storage.hashing import sha256
+from ..storage.seal import SEAL_KEY
+from ..storage.tables import ROWS_HASH, check_key, read_stored_table, write_table
+from .checks import (
+    RERUN,
+    SETTINGS,
+    UNITS,
+    check_complete,
+    check_origin,
+    check_shard,
+    metadata_of,
+    remedy,
+)
 from .config import Config
 from .declarations import (
     Animation,
     Arrays,
     Batched,
-    Expected,
     Figure,
     Model,
     Product,
@@ -24,14 +36,8 @@ from .declarations import (
     Table,
     TrainingOutput,
 )
-from .provenance import provenance
+from .provenance import INPUTS, computed_from, provenance
 from .registry import find_table, input_shards, settings_digest
-
-SETTINGS = "settings_sha256"
-"""Metadata key of :func:`.registry.settings_digest`."""
-UNITS = "units"
-"""Metadata key of the units in a shard, ``START-STOP``."""
-RERUN = "run the workflow again"
 
 
 def write_product(
@@ -67,7 +73,22 @@ def write_product(
         _gather(product, config, inputs, out)
         return
     files = match_inputs(product, config, inputs, shard)
-    values = [_read_input(source, config, paths) for source, paths in files]
+    hashes: dict[str, str] = {}
+    values = [_read_input(source, config, paths, hashes) for source, paths in files]
+    with computed_from(hashes):
+        _compute(product, config, files, values, out, shard, curve)
+
+
+def _compute(
+    product: Product,
+    config: Config,
+    files: list[tuple[Product, list[Path]]],
+    values: list[Any],
+    out: Path,
+    shard: Shard | None,
+    curve: Path | None,
+) -> None:
+    """Compute a product from its inputs, and write it."""
     sources = [path for _, paths in files for path in paths]
     if isinstance(product, Table):
         _write_table(product, config, values, sources, out, shard)
@@ -139,17 +160,23 @@ def _gather(product: Table, config: Config, paths: Sequence[Path], out: Path) ->
 
 
 def read_product(product: Table, config: Config, path: Path) -> pd.DataFrame:
-    """Read a whole table and check its key, its completeness and its provenance.
+    """Read a whole table and check its content, its key, its completeness and its provenance.
 
     Raises
     ------
     TableError
         With the file, what is wrong and the remedy.
     """
-    frame = read_table(path, product.name, product.columns)
-    _check_settings(read_metadata(path), product, config, None, path)
+    return _read_whole(product, config, path)[0]
+
+
+def _read_whole(product: Table, config: Config, path: Path) -> tuple[pd.DataFrame, dict[str, str]]:
+    frame, metadata = read_stored_table(
+        path, product.name, product.columns, remedy(product, config, None)
+    )
+    check_origin(metadata, product, config, None, path)
     check_complete(frame, product, config, path)
-    return frame
+    return frame, metadata
 
 
 def read_shards(
@@ -158,14 +185,24 @@ def read_shards(
     """Read shards of a table, and the further metadata of the first.
 
     Hashes in the further metadata (keys that end with ``sha256``) must be the same in all shards.
+
+    Raises
+    ------
+    TableError
+        If a shard is damaged, of another run, or lacks rows; with its file and the remedy.
     """
     shards = _shards_by_file(product, config)
     frames = []
     extra: dict[str, str] | None = None
     for path in paths:
-        frames.append(read_table(path, product.name, product.columns))
-        metadata = read_metadata(path)
-        _check_settings(metadata, product, config, shards[path.name], path)
+        shard = shards[path.name]
+        assert shard is not None
+        frame, metadata = read_stored_table(
+            path, product.name, product.columns, remedy(product, config, shard)
+        )
+        check_origin(metadata, product, config, shard, path)
+        check_shard(frame, product, config, shard, path)
+        frames.append(frame)
         own = _own_metadata(metadata)
         extra = own if extra is None else extra
         for key in own.keys() | extra.keys():
@@ -211,26 +248,34 @@ def _match(wanted: dict[str, Any], paths: Sequence[Path], name: str) -> dict[str
     return files
 
 
-def _read_input(source: Product, config: Config, paths: list[Path]) -> Any:
+def _read_input(source: Product, config: Config, paths: list[Path], hashes: dict[str, str]) -> Any:
     """A table as a DataFrame, a model as its path, arrays as the paths of their files.
 
-    Tables and arrays must have been computed with the settings of `config`. Models need not, so
-    that another model can be applied to the same data.
+    All must have been computed with the settings of `config`. Adds the hashes of the contents of
+    tables, models and arrays that are one file to `hashes`: those of shards would depend on how
+    work is cut.
     """
     if isinstance(source, Table):
         if paths[0].name == source.file().name:
-            return read_product(source, config, paths[0])
+            frame, metadata = _read_whole(source, config, paths[0])
+            hashes[str(source.file())] = metadata[ROWS_HASH]
+            return frame
         return read_shards(source, config, paths)[0]
-    if isinstance(source, Arrays):
-        from ..storage.arrays import read_array_metadata  # imports h5py
+    shards = _shards_by_file(source, config)
+    for path in paths:
+        shard = shards[path.name]
+        if isinstance(source, Arrays):
+            from ..storage.arrays import read_array_metadata  # imports h5py
 
-        shards = _shards_by_file(source, config)
-        for path in paths:
-            metadata = read_array_metadata(path, source.name)
-            _check_settings(metadata, source, config, shards[path.name], path)
-    if isinstance(source, Model) and len(paths) == 1:
-        return paths[0]
-    return paths
+            metadata = read_array_metadata(path, source.name, remedy(source, config, shard))
+        else:
+            from ..storage.checkpoints import load_state  # imports torch
+
+            metadata = load_state(path, remedy(source, config, shard)).get("about", {})
+        check_origin(metadata, source, config, shard, path)
+    if len(paths) == 1:
+        hashes[str(source.file(shards[paths[0].name]))] = sha256(paths[0])
+    return paths[0] if isinstance(source, Model) and len(paths) == 1 else paths
 
 
 def _shards_by_file(product: Product, config: Config) -> dict[str, Shard | None]:
@@ -253,61 +298,8 @@ def training_output(
     return TrainingOutput(out, curve or out, digest, metadata, write_curve)
 
 
-def metadata_of(product: Product, config: Config, shard: Shard | None) -> dict[str, str]:
-    """Provenance of a product or a shard of it, with the hash of its settings."""
-    metadata = {
-        **provenance(config),
-        SETTINGS: settings_digest(product, config, shard.run if shard else None),
-    }
-    return metadata | ({UNITS: f"{shard.start}-{shard.stop}"} if shard else {})
-
-
 def _own_metadata(metadata: dict[str, str]) -> dict[str, str]:
     """What a shard says of itself beside its provenance."""
-    known = {"table", "pandas", "profile", "config_sha256", "root_seed", SETTINGS, UNITS}
-    known |= {"git_commit", "python", "platform", "packages"}
+    known = {"table", "profile", "config_sha256", "root_seed", SETTINGS, UNITS, INPUTS}
+    known |= {"git_commit", "python", "platform", "packages", SEAL_KEY, ROWS_HASH, BATCH_UNITS}
     return {key: value for key, value in metadata.items() if key not in known}
-
-
-def _check_settings(
-    metadata: dict[str, str], product: Product, config: Config, shard: Shard | None, path: Path
-) -> None:
-    expected = metadata_of(product, config, shard)
-    for key in (SETTINGS, UNITS):
-        if metadata.get(key) != expected.get(key):
-            reason = "settings" if key == SETTINGS else f"{key} ({metadata.get(key, 'none')})"
-            raise TableError(
-                f"{path}: was computed with other {reason} than this configuration has; "
-                f"delete it and {RERUN}"
-            )
-
-
-def check_complete(
-    frame: pd.DataFrame, product: Table, config: Config, path: Path, culprit: str = "it"
-) -> None:
-    """Raise TableError if rows that the configuration asks for are missing, or others are there.
-
-    `culprit` says what to delete: by default the file `path` itself.
-    """
-    if product.expected is None:
-        return
-    expected: Expected = product.expected(config)
-    sizes = frame.groupby(list(expected.columns), sort=False, dropna=False).size()
-    found = {key if isinstance(key, tuple) else (key,): int(n) for key, n in sizes.items()}
-    wrong = {
-        "missing": [key for key in expected.counts if key not in found],
-        "not part of the configuration": [key for key in found if key not in expected.counts],
-        "incomplete": [
-            key for key, n in expected.counts.items() if n is not None and found.get(key, n) != n
-        ],
-    }
-    for problem, keys in wrong.items():
-        if keys:
-            first = ", ".join(
-                f"{column} {value}" for column, value in zip(expected.columns, keys[0], strict=True)
-            )
-            more = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
-            raise TableError(
-                f"{path}: {len(keys)} of {len(expected.counts)} groups of rows {problem}: "
-                f"{first}{more}; delete {culprit} and {RERUN}"
-            )

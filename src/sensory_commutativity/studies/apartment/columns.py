@@ -17,8 +17,15 @@ CONDITION = (
     ),
     Column("length", INT, "actions", "length of the sequences", key=True),
 )
-VIEW = Column("field_of_view", FLOAT, "degrees", "vertical field of view of the camera", key=True)
+VIEW = Column(
+    "field_of_view", FLOAT, "degrees", "vertical field of view of the camera", key=True, low=0
+)
 DOF = Column("dof", TEXT, "", "degree of freedom", key=True)
 THRESHOLD = Column(
-    "threshold", FLOAT, "squared VGG16 feature", "largest distance that counts as equal", key=True
+    "threshold",
+    FLOAT,
+    "squared VGG16 feature",
+    "largest distance that counts as equal",
+    key=True,
+    low=0,
 )

@@ -20,6 +20,8 @@ KIND = Column(
     "of the sequences: random, or left-right, after which the first order ends where it began",
     key=True,
 )  # fmt: skip
+COMPARISONS = ("sc-experiment", "first-last", "return")
+"""What is compared; as in :mod:`....change_detection.simulated.object_experiments`."""
 COMPARISON = Column(
     "comparison", TEXT, "",
     "sc-experiment: both orders; first-last: start and end; return: start, and back there",

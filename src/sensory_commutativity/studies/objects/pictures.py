@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -44,7 +43,7 @@ def read_examples(paths: Sequence[Path]) -> Examples:
     for name in ("masks", "dataset_masks"):
         width = arrays[name.replace("masks", "pictures")].shape[-2]
         arrays[name] = unpack_masks(arrays[name], width)
-    return Examples(arrays, json.loads(texts["test_sets"]))
+    return Examples(arrays, texts.json_list("test_sets"))
 
 
 def draw_examples(examples: Examples, test_sets: Sequence[str]) -> Figure:

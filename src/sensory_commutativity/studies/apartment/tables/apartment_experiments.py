@@ -15,7 +15,7 @@ import pandas as pd
 from ....scp.experiment import endings_per_dof
 from ....storage.columns import FLOAT, INT, Column
 from ...config import Config
-from ...declarations import Batched, Expected, Shards, table
+from ...declarations import Batched, Expected, Shard, Shards, table
 from ..builders import (
     build_run_world,
     count_dofs,
@@ -100,13 +100,28 @@ def _units(config: Config) -> dict[str, int]:
     return {name: run.experiments for name, run in experiment_runs(config).items()}
 
 
-def _expected(config: Config) -> Expected:
+def _expected(config: Config) -> tuple[Expected, ...]:
     settings, dofs = config.apartment, count_dofs(config.apartment)
     counts = {
         run[:4]: run.experiments * dofs[run.robot] * len(settings.views(run))
         for run in settings.runs()
     }
-    return Expected(("robot", "apartment", "start", "length"), counts)
+    units = {
+        (*run[:4], i): counts[run[:4]] // run.experiments
+        for run in settings.runs()
+        for i in range(run.experiments)
+    }
+    return (
+        Expected(("robot", "apartment", "start", "length"), counts),
+        Expected(("robot", "apartment", "start", "length", "experiment"), units),
+    )
+
+
+def _expected_shard(config: Config, shard: Shard) -> Expected:
+    settings, run = config.apartment, experiment_runs(config)[shard.run]
+    n = count_dofs(settings)[run.robot] * len(settings.views(run))
+    rows = {(*run[:4], i): n for i in range(shard.start, shard.stop)}
+    return Expected(("robot", "apartment", "start", "length", "experiment"), rows)
 
 
 @table(
@@ -130,12 +145,18 @@ def _expected(config: Config) -> Expected:
             "at_limit", INT, "steps",
             "steps in which a joint was commanded beyond its limit, in the order with more of them",
         ),
-        Column("object_shift", FLOAT, "m", "largest displacement of an object in either order"),
-        Column("base_difference", FLOAT, "m", "distance between the two final base positions"),
-        Column("turn_difference", FLOAT, "rad", "difference of the two final headings"),
+        Column(
+            "object_shift", FLOAT, "m", "largest displacement of an object in either order",
+            low=0,
+        ),
+        Column(
+            "base_difference", FLOAT, "m", "distance between the two final base positions",
+            low=0,
+        ),
+        Column("turn_difference", FLOAT, "rad", "difference of the two final headings", low=0),
         Column(
             "joint_difference", FLOAT, "rad or m",
-            "largest difference between the two final positions of a joint",
+            "largest difference between the two final positions of a joint", low=0,
         ),
         Column(
             "clearance", FLOAT, "m",
@@ -143,7 +164,7 @@ def _expected(config: Config) -> Expected:
         ),
         Column(
             "distance", FLOAT, "squared VGG16 feature",
-            "squared distance of the features of the two final observations",
+            "squared distance of the features of the two final observations", low=0,
         ),
     ),
     shards=Shards(
@@ -152,6 +173,7 @@ def _expected(config: Config) -> Expected:
         per_shard=lambda config: config.apartment.experiments_per_job,
     ),
     expected=_expected,
+    expected_shard=_expected_shard,
 )  # fmt: skip
 def apartment_experiments(config: Config, run: str) -> Batched:
     """Play the SC-experiments of one robot in one scene.

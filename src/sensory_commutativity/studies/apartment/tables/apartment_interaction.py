@@ -72,14 +72,17 @@ def _expected(config: Config) -> Expected:
         *CONDITION,
         DOF,
         Column("n", INT, "1", "SC-experiments"),
-        Column("scp", FLOAT, "1", "sensory commutativity probability at the reference threshold"),
+        Column(
+            "scp", FLOAT, "1", "sensory commutativity probability at the reference threshold",
+            low=0, high=1,
+        ),
         Column("touched", FLOAT, "1", "fraction in which a fixture or an object was touched"),
         *INTERVAL,
         Column("touched_fixed", FLOAT, "1", "fraction in which a fixture was touched"),
         Column("touched_movable", FLOAT, "1", "fraction in which a movable object was touched"),
         Column(
             "moved_object", FLOAT, "1",
-            "fraction in which an object was displaced by more than a centimetre",
+            "fraction in which an object was displaced by more than a centimetre", low=0, high=1,
         ),
         Column(
             "hindered", FLOAT, "1",

@@ -35,7 +35,7 @@ def _expected(config: Config) -> Expected:
         THRESHOLD,
         Column("n", INT, "1", "SC-experiments"),
         Column("commuted", INT, "1", "how many of them commuted"),
-        Column("scp", FLOAT, "1", "sensory commutativity probability"),
+        Column("scp", FLOAT, "1", "sensory commutativity probability", low=0, high=1),
         *INTERVAL,
     ),
     inputs=["apartment_experiments"],

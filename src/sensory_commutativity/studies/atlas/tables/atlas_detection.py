@@ -6,7 +6,7 @@ import pandas as pd
 
 from ....storage.columns import FLOAT, INT, INTERVAL, Column
 from ...config import Config
-from ...declarations import table
+from ...declarations import Expected, table
 from ..columns import ENVIRONMENT
 
 RESAMPLES = 1000
@@ -23,6 +23,7 @@ RESAMPLES = 1000
         *INTERVAL,
     ),
     inputs=["atlas_experiments"],
+    expected=lambda config: Expected((), {}),  # no row where nothing moved
 )
 def atlas_detection(experiments: pd.DataFrame, config: Config) -> pd.DataFrame:
     """The area under the ROC curve, where there are events; intervals by resampling starts."""

@@ -8,7 +8,7 @@ from ....measurement.controls import COLUMNS, play_with_controls
 from ....seeding import seed_for
 from ....storage.columns import FLOAT, INT, TEXT, Column
 from ...config import Config
-from ...declarations import Batched, Expected, Shards, table
+from ...declarations import Batched, Expected, Shard, Shards, table
 from ..builders import atlas, build_environment, environments
 from ..columns import ACTION, ENVIRONMENT
 
@@ -19,6 +19,11 @@ def _settings(config: Config, run: str) -> object:
 
 def _expected(config: Config) -> Expected:
     return Expected(("environment",), {(name,): None for name in environments(config)})
+
+
+def _expected_shard(config: Config, shard: Shard) -> Expected:
+    rows = {(shard.run, i): None for i in range(shard.start, shard.stop)}
+    return Expected(("environment", "experiment"), rows)
 
 
 @table(
@@ -40,6 +45,7 @@ def _expected(config: Config) -> Expected:
         per_shard=lambda config: atlas(config).starts_per_job,
     ),
     expected=_expected,
+    expected_shard=_expected_shard,
 )
 def atlas_experiments(config: Config, run: str) -> Batched:
     """Play the SC-experiments of one environment."""

@@ -23,7 +23,10 @@ ALTERNATIVES = {"naive change": "naive_mse", "excess prediction error": "excess_
             nullable=True,
         ),
         Column("kendall", FLOAT, "1", "Kendall's tau-b with 1 - SCP", nullable=True),
-        Column("p", FLOAT, "1", "two-sided p-value of Spearman's coefficient, permutation test"),
+        Column(
+            "p", FLOAT, "1", "two-sided p-value of Spearman's coefficient, permutation test",
+            low=0, high=1,
+        ),
     ),
     inputs=["flatland_baselines", "flatland_scp"],
     settings=lambda config: config.flatland.reference,

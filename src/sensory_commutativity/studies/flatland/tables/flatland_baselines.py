@@ -35,15 +35,16 @@ def _excess_error(baselines: pd.DataFrame) -> pd.DataFrame:
     columns=(
         DOF,
         Column(
-            "naive_mse", FLOAT, COLOUR, "mean squared change of the observation in a transition"
+            "naive_mse", FLOAT, COLOUR, "mean squared change of the observation in a transition",
+            low=0,
         ),
-        Column("naive_se", FLOAT, COLOUR, "standard error of naive_mse, sequences as units"),
+        Column("naive_se", FLOAT, COLOUR, "standard error of naive_mse, sequences as units", low=0),
         Column(
             "prediction_mse", FLOAT, COLOUR,
-            "mean squared error of the predicted next observation, test transitions",
+            "mean squared error of the predicted next observation, test transitions", low=0,
         ),
         Column("prediction_se", FLOAT, COLOUR,
-               "standard error of prediction_mse, sequences as units"),
+               "standard error of prediction_mse, sequences as units", low=0),
         Column(
             "excess_error", FLOAT, COLOUR,
             "prediction_mse less the smallest of all degrees of freedom", nullable=True,
@@ -54,6 +55,7 @@ def _excess_error(baselines: pd.DataFrame) -> pd.DataFrame:
     shards=Shards(runs=lambda config: dict.fromkeys(DOFS, 1), settings=_settings),
     gather=_excess_error,
     expected=lambda config: Expected(("dof",), {(dof,): 1 for dof in DOFS}),
+    expected_shard=lambda config, shard: Expected(("dof",), {(shard.run,): 1}),
 )  # fmt: skip
 def flatland_baselines(config: Config, dof: str) -> Batched:
     """Measure both alternatives for one degree of freedom; the excess error needs all of them."""

@@ -21,8 +21,8 @@ from ....scp.sequences import sample_sequence
 from ....seeding import generator, seed_for
 from ....storage.columns import INT, Column
 from ...config import Config
-from ...declarations import Batched, Shards, table
-from ..builders import flatland_world
+from ...declarations import Batched, Expected, Shard, Shards, table
+from ..builders import DOFS, flatland_world
 from ..columns import DISTANCE, DOF_A, DOF_B, SEED, WORLD
 
 
@@ -31,6 +31,14 @@ def _settings(config: Config, world: str) -> object:
     agent = flatland.reference.agent
     return [flatland.sequence_length, flatland.commutation_worlds()[world], world,
             flatland.worlds[world], agent, flatland.agents[agent]]  # fmt: skip
+
+
+def _expected_shard(config: Config, shard: Shard) -> tuple[Expected, ...]:
+    pairs, units = list(combinations_with_replacement(DOFS, 2)), range(shard.start, shard.stop)
+    return (
+        Expected(("world", "experiment"), {(shard.run, i): len(pairs) for i in units}),
+        Expected(("world", "dof_a", "dof_b"), {(shard.run, *pair): len(units) for pair in pairs}),
+    )
 
 
 @table(
@@ -54,6 +62,7 @@ def _settings(config: Config, world: str) -> object:
         per_shard=lambda config: config.flatland.commutation_per_job,
     ),
     shards_only=True,
+    expected_shard=_expected_shard,
 )  # fmt: skip
 def flatland_commutation_experiments(config: Config, world: str) -> Batched:
     """Play every unordered pair of degrees of freedom in one world."""

@@ -13,9 +13,10 @@ from ....scp.experiment import distances_per_dof
 from ....seeding import seed_for
 from ....storage.columns import INT, Column
 from ...config import Config
-from ...declarations import Batched, Expected, Shards, table
+from ...declarations import Batched, Expected, Shard, Shards, table
 from ..builders import DOFS, experiment_runs, flatland_world
 from ..columns import AGENT, DISTANCE, DOF, LENGTH, SEED, WORLD
+from ..config import Run
 
 
 def _settings(config: Config, run: str) -> object:
@@ -24,9 +25,27 @@ def _settings(config: Config, run: str) -> object:
             flatland.agents[agent]]  # fmt: skip
 
 
-def _expected(config: Config) -> Expected:
-    rows = {run[:3]: run.experiments * len(DOFS) for run in config.flatland.runs()}
-    return Expected(("world", "agent", "length"), rows)
+RUN = ("world", "agent", "length")
+
+
+def _expected(config: Config) -> tuple[Expected, ...]:
+    runs = config.flatland.runs()
+    shards = [expected_units(run, 0, run.experiments) for run in runs]
+    return Expected(RUN, {run[:3]: run.experiments * len(DOFS) for run in runs}), *(
+        Expected(columns, {key: n for shard in shards for key, n in shard[k].counts.items()})
+        for k, columns in enumerate(((*RUN, "experiment"), (*RUN, "dof")))
+    )
+
+
+def _expected_shard(config: Config, shard: Shard) -> tuple[Expected, ...]:
+    return expected_units(experiment_runs(config)[shard.run], shard.start, shard.stop)
+
+
+def expected_units(run: Run, start: int, stop: int) -> tuple[Expected, Expected]:
+    """The rows of the experiments start <= i < stop of a run: every degree of freedom of each."""
+    experiments = {(*run[:3], i): len(DOFS) for i in range(start, stop)}
+    dofs = {(*run[:3], dof): stop - start for dof in DOFS}
+    return Expected((*RUN, "experiment"), experiments), Expected((*RUN, "dof"), dofs)
 
 
 @table(
@@ -51,6 +70,7 @@ def _expected(config: Config) -> Expected:
         per_shard=lambda config: config.flatland.experiments_per_job,
     ),
     expected=_expected,
+    expected_shard=_expected_shard,
 )  # fmt: skip
 def flatland_experiments(config: Config, run: str) -> Batched:
     """Play the SC-experiments of one agent in one world."""

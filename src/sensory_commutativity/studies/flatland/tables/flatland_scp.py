@@ -13,11 +13,20 @@ from ..columns import SCP
 KEYS = ["world", "agent", "length", "dof"]
 
 
-def _expected(config: Config) -> Expected:
+def _expected(config: Config) -> tuple[Expected, ...]:
     flatland = config.flatland
     rows = len(DOFS) * len(flatland.thresholds)
     runs = [run for run in flatland.runs() if run.length == flatland.sequence_length]
-    return Expected(("world", "agent"), {run[:2]: rows for run in runs})
+    keys = {
+        (*run[:3], dof, threshold): 1
+        for run in runs
+        for dof in DOFS
+        for threshold in flatland.thresholds
+    }
+    return (
+        Expected(("world", "agent"), {run[:2]: rows for run in runs}),
+        Expected((*KEYS, "threshold"), keys),
+    )
 
 
 @table(

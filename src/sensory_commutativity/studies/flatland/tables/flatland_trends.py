@@ -11,10 +11,20 @@ import pandas as pd
 
 from ....storage.columns import FLOAT, P_VALUES, TEXT, Column
 from ...config import Config
-from ...declarations import table
+from ...declarations import Expected, table
+from ..builders import DOFS
 from ..columns import DOF
 
 OBJECTS, ARM_LENGTH = "more objects", "longer arms"
+
+
+def _expected(config: Config) -> Expected:
+    flatland = config.flatland
+    agents = flatland.combinations.agents
+    rows = {(OBJECTS, dof): len(agents) for dof in DOFS}
+    if len({flatland.agents[agent].arm_length for agent in agents}) > 1:
+        rows |= {(ARM_LENGTH, dof): 1 for dof in DOFS}
+    return Expected(("trend", "dof"), rows)
 
 
 @table(
@@ -36,6 +46,7 @@ OBJECTS, ARM_LENGTH = "more objects", "longer arms"
         {world: config.flatland.worlds[world] for world in config.flatland.combinations.worlds},
         {agent: config.flatland.agents[agent] for agent in config.flatland.combinations.agents},
     ],
+    expected=_expected,
 )
 def flatland_trends(scp: pd.DataFrame, config: Config) -> pd.DataFrame:
     """Cochran-Armitage tests over the number of objects for each agent, and

@@ -23,7 +23,7 @@ def _settings(config: Config) -> object:
     columns=(
         *RUN,
         Column("dof", TEXT, "", "degree of freedom", key=True),
-        Column("scp", FLOAT, "1", "its measured sensory commutativity probability"),
+        Column("scp", FLOAT, "1", "its measured sensory commutativity probability", low=0, high=1),
         Column("scale", FLOAT, "1", "factor of its action interval; 0 removes it"),
     ),
     inputs=["navigation_scp"],

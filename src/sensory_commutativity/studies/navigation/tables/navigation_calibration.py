@@ -44,8 +44,8 @@ def _expected(config: Config) -> Expected:
         MEASURE,
         Column("splits", INT, "1", "pairs of groups that were compared (A/A)"),
         Column("rejected", INT, "1", "how many differed significantly"),
-        Column("rate", FLOAT, "1", "their fraction"),
-        Column("alpha", FLOAT, "1", "the fraction to be expected"),
+        Column("rate", FLOAT, "1", "their fraction", low=0, high=1),
+        Column("alpha", FLOAT, "1", "the fraction to be expected", low=0, high=1),
         Column(
             "band_low", FLOAT, "1",
             "lower end of the central 95 % of the rate if comparisons were independent",

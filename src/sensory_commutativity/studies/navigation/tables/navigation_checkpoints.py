@@ -27,10 +27,11 @@ def _expected(config: Config) -> Expected:
         Column("difference", FLOAT, "reward", "mean return of a minus that of b"),
         Column("ci_low", FLOAT, "reward", "lower end of its 95 % interval, not corrected"),
         Column("ci_high", FLOAT, "reward", "upper end"),
-        Column("p", FLOAT, "1", "two-sided p-value of Welch's test"),
+        Column("p", FLOAT, "1", "two-sided p-value of Welch's test", low=0, high=1),
         Column(
             "p_adjusted", FLOAT, "1",
             "p-value after Holm's correction over all checkpoints and pairs of the family",
+            low=0, high=1,
         ),
     ),
     inputs=["navigation_curves"],

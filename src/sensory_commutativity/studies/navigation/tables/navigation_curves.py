@@ -10,9 +10,9 @@ import pandas as pd
 from ....errors import TableError, UserError
 from ....storage.columns import FLOAT, INT, Column
 from ...config import Config
-from ...declarations import Expected, table
+from ...declarations import Expected, Shard, table
 from ..columns import RUN
-from ..runs import TRAINING, evaluation_steps
+from ..runs import TRAINING, evaluation_steps, training_runs
 
 
 def check_evaluations(curves: pd.DataFrame, config: Config) -> None:
@@ -55,6 +55,12 @@ def _expected(config: Config) -> Expected:
     return Expected(("action_space", "seed", "step"), rows)
 
 
+def _expected_shard(config: Config, shard: Shard) -> Expected:
+    run = training_runs(config)[shard.run]
+    rows = {(*run, step): 1 for step in evaluation_steps(config)}
+    return Expected(("action_space", "seed", "step"), rows)
+
+
 @table(
     title="Learning curves",
     columns=(
@@ -63,15 +69,20 @@ def _expected(config: Config) -> Expected:
             "step", INT, "steps", "environment steps of training before the evaluation", key=True
         ),
         Column("episode_return", FLOAT, "reward", "mean return of the episodes"),
-        Column("success_rate", FLOAT, "1", "fraction of episodes that ended in the goal"),
-        Column("dead_rate", FLOAT, "1", "fraction of episodes that ended in a dead zone"),
-        Column("episode_length", FLOAT, "steps", "mean length of the episodes"),
+        Column(
+            "success_rate", FLOAT, "1", "fraction of episodes that ended in the goal", low=0, high=1
+        ),
+        Column(
+            "dead_rate", FLOAT, "1", "fraction of episodes that ended in a dead zone", low=0, high=1
+        ),
+        Column("episode_length", FLOAT, "steps", "mean length of the episodes", low=0),
         Column("episodes", INT, "1", "episodes of the evaluation"),
     ),
     inputs=["navigation_scp"],
     shards=TRAINING,
     gather=_sort,
     expected=_expected,
+    expected_shard=_expected_shard,
 )
 def navigation_curves(scp: pd.DataFrame, config: Config, run: str) -> NoReturn:
     """The curve of one run, which training writes. Raises UserError."""

@@ -41,11 +41,11 @@ def _expected(config: Config) -> Expected:
         Column("b", TEXT, "", "action space that a is compared with", key=True),
         Column(
             "alpha", FLOAT, "1", "significance level: family-wise, and divided by three pairs",
-            key=True,
+            key=True, low=0, high=1,
         ),
         Column("n", FLOAT, "1", "runs of each action space"),
         Column("effect_size", FLOAT, "1", "standardised difference of means", key=True),
-        Column("power", FLOAT, "1", "probability to detect it"),
+        Column("power", FLOAT, "1", "probability to detect it", low=0, high=1),
     ),
     inputs=["navigation_scores"],
     settings=_settings,

@@ -23,7 +23,7 @@ the paper's rewards, one for every half."""
         Column("threshold", FLOAT, "reward", "final return", key=True),
         Column("n", INT, "1", "runs"),
         Column("above", INT, "1", "runs with at least this final return"),
-        Column("fraction", FLOAT, "1", "their fraction"),
+        Column("fraction", FLOAT, "1", "their fraction", low=0, high=1),
         *INTERVAL,
     ),
     inputs=["navigation_scores"],

@@ -32,7 +32,7 @@ def _settings(config: Config) -> object:
         ),
         Column(
             "success_rate", FLOAT, "1",
-            "fraction of episodes that ended in the goal at the last evaluation",
+            "fraction of episodes that ended in the goal at the last evaluation", low=0, high=1,
         ),
         Column(
             STEPS, FLOAT, "steps",

@@ -21,7 +21,7 @@ from .navigation_scores import STEPS
         Column("events", INT, "1", "runs that reached it at this step"),
         Column(
             "survival", FLOAT, "1",
-            "Kaplan-Meier estimate of the fraction of runs that have not reached it",
+            "Kaplan-Meier estimate of the fraction of runs that have not reached it", low=0, high=1,
         ),
         *INTERVAL,
     ),

@@ -7,7 +7,6 @@ predictor can be applied to the same pictures.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -33,9 +32,12 @@ if TYPE_CHECKING:
         Column("heading", FLOAT, "rad", "heading of the robot", key=True),
         Column("n", INT, "1", "SC-experiments"),
         Column("different", INT, "1", "how many the mask predictor calls different"),
-        Column("scp", FLOAT, "1", "local SCP: the fraction of the others"),
+        Column("scp", FLOAT, "1", "local SCP: the fraction of the others", low=0, high=1),
         *INTERVAL,
-        Column("scp_true", FLOAT, "1", "the same by the outcomes that the simulator knows"),
+        Column(
+            "scp_true", FLOAT, "1", "the same by the outcomes that the simulator knows",
+            low=0, high=1,
+        ),
         Column(
             "clearance", FLOAT, "m",
             "from the swept arm to the nearest fixture, median over the starts of the experiments; "
@@ -76,7 +78,7 @@ def _rows(path: Path, predictor: MaskPredictor, config: Config) -> list[tuple]:
     from ....storage.arrays import read_arrays
 
     arrays, texts = read_arrays(path, "local_scp_experiments")
-    rooms, nearest = json.loads(texts["rooms"]), json.loads(texts["nearest"])
+    rooms, nearest = texts.json_list("rooms"), texts.json_list("nearest")
     n = config.masks.map.experiments
     predicted = classify_outcomes(predictor.predict_proba(arrays["pictures"]), predictor.thresholds)
     different = (predicted == OUTCOMES.index("different")).reshape(-1, n)

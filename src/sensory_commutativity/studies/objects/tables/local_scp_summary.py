@@ -14,7 +14,7 @@ import pandas as pd
 from ....seeding import generator
 from ....storage.columns import FLOAT, INT, INTERVAL, TEXT, Column
 from ...config import Config
-from ...declarations import table
+from ...declarations import Expected, table
 
 RESAMPLES = 2_000
 DECIDED_BY = {"predictor": "scp", "simulator": "scp_true"}
@@ -28,6 +28,13 @@ def regions(poses: pd.DataFrame, config: Config) -> dict[str, np.ndarray]:
         config.masks.map.cramped_room: (poses["room"] == config.masks.map.cramped_room).to_numpy(),
         "over low things": poses["over_low"].to_numpy(),
     }
+
+
+def _expected(config: Config) -> Expected:
+    where = ["open", config.masks.map.cramped_room, "over low things"]
+    chosen = [("auc", "all"), *(("median", name) for name in where)]
+    rows: dict[tuple, int | None] = {(*one, name): 1 for one in chosen for name in DECIDED_BY}
+    return Expected(("measure", "where", "decided_by"), rows)
 
 
 @table(
@@ -52,6 +59,7 @@ def regions(poses: pd.DataFrame, config: Config) -> dict[str, np.ndarray]:
     ),
     inputs=["local_scp"],
     settings=lambda config: [config.apartment.reach, config.masks.map.cramped_room],
+    expected=_expected,
 )  # fmt: skip
 def local_scp_summary(poses: pd.DataFrame, config: Config) -> pd.DataFrame:
     """Intervals: bootstrap over positions, all headings of a position together."""

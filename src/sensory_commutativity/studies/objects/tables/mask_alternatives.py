@@ -15,12 +15,17 @@ import pandas as pd
 
 from ....storage.columns import BOOL, FLOAT, INT, TEXT, Column
 from ...config import Config
-from ...declarations import Batched, table
-from ..columns import COMPARISON, HOUSEHOLD, KIND, OUTCOME_TRUE
+from ...declarations import Batched, Expected, table
+from ..columns import COMPARISON, COMPARISONS, HOUSEHOLD, KIND, OUTCOME_TRUE
 from .mask_comparisons import REFERENCE_MODEL
 
 if TYPE_CHECKING:
     from ....change_detection.predictor import MaskPredictor
+
+
+def _expected(config: Config) -> Expected:
+    n = config.masks.tests.experiments
+    return Expected(("comparison",), dict.fromkeys(((name,) for name in COMPARISONS), n))
 
 
 @table(
@@ -34,7 +39,7 @@ if TYPE_CHECKING:
         Column("outcome_predicted", TEXT, "", "the same, as RAFT predicts"),
         Column(
             "overlap", FLOAT, "1",
-            "intersection over union of both masks together; 0 where both are empty",
+            "intersection over union of both masks together; 0 where both are empty", low=0, high=1,
         ),
         Column("touched", BOOL, "", "whether an immovable object was touched in either order"),
         Column(
@@ -43,6 +48,7 @@ if TYPE_CHECKING:
         ),
     ),
     inputs=[f"mask_predictor/{REFERENCE_MODEL}", "mask_tuples/as-trained"],
+    expected=_expected,
 )  # fmt: skip
 def mask_alternatives(predictor: Path, tuples: list[Path], config: Config) -> Batched:
     """A row per experiment and comparison."""
@@ -61,7 +67,7 @@ def predict_comparisons(predictor: MaskPredictor, path: Path) -> pd.DataFrame:
     """All rows of a file of tuples."""
     from ....change_detection.decision import MASK_THRESHOLD, classify_outcomes
     from ....change_detection.outcome import OUTCOMES
-    from ....change_detection.simulated.object_experiments import COMPARISONS, KINDS
+    from ....change_detection.simulated.object_experiments import KINDS
     from ....storage.arrays import read_arrays, unpack_masks
 
     arrays, _ = read_arrays(path, "mask_tuples")

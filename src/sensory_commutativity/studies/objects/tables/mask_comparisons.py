@@ -80,7 +80,7 @@ def compare_models(scores: pd.DataFrame) -> pd.DataFrame:
         Column(
             "p_tuples", FLOAT, "1",
             "p-value as if tuples were independent: exact McNemar test of the outcomes, Wilcoxon "
-            "test of the overlaps", nullable=True,
+            "test of the overlaps", nullable=True, low=0, high=1,
         ),
     ),
     inputs=["mask_scores"],

@@ -9,7 +9,7 @@ from typing import NoReturn
 from ....errors import UserError
 from ....storage.columns import FLOAT, INT, Column
 from ...config import Config
-from ...declarations import Shards, table
+from ...declarations import Expected, Shards, table
 from ..builders import trained_models, training_settings
 from ..columns import MODEL
 
@@ -25,16 +25,20 @@ from ..columns import MODEL
         Column(
             "accuracy", FLOAT, "1",
             "of the three outcomes on the validation pairs, with default decision thresholds",
-            nullable=True,
+            nullable=True, low=0, high=1,
         ),
         Column(
             "iou", FLOAT, "1",
             "mean intersection over union on the validation pairs in which something moved",
-            nullable=True,
+            nullable=True, low=0, high=1,
         ),
     ),
     inputs=["mask_pairs/training", "mask_pairs/validation"],
     shards=Shards(runs=trained_models, settings=training_settings),
+    expected=lambda config: Expected(
+        ("model",), {(name,): None for name in trained_models(config)}
+    ),
+    expected_shard=lambda config, shard: Expected(("model",), {(shard.run,): None}),
 )  # fmt: skip
 def mask_curves(training: list[Path], validation: list[Path], config: Config, run: str) -> NoReturn:
     """The curve of one model, which training writes. Raises UserError."""

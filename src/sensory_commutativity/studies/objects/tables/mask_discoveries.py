@@ -16,10 +16,9 @@ from ....seeding import generator
 from ....storage.columns import FLOAT, INT, INTERVAL, Column
 from ...config import Config
 from ...declarations import table
-from ..columns import COMPARISON, KIND
+from ..columns import COMPARISON, COMPARISONS, KIND
 from .mask_summary import RESAMPLES
 
-COMPARISONS = ("sc-experiment", "first-last", "return")
 KINDS = ("random", "left-right")
 DISCOVERED = 0.5
 """Intersection over union of both masks together from which an object counts as discovered.
@@ -135,17 +134,22 @@ def _nullable(name: str, description: str) -> Column:
             "discovered", INT, "1",
             "in which that is predicted, and where: intersection over union of at least one half",
         ),
-        Column("discovery_rate", FLOAT, "1", "discoveries per hundred experiments"),
+        Column(
+            "discovery_rate", FLOAT, "1", "discoveries per hundred experiments", low=0, high=100
+        ),
         *INTERVAL,
         Column("false_alarms", INT, "1", "predicted as moved, but the outcome is another"),
         Column(
             "difference", FLOAT, "1", "discoveries per hundred less those of SC-experiments",
             nullable=True,
         ),
-        Column("p", FLOAT, "1", "paired t-test of that difference, over cluttered scenes"),
+        Column(
+            "p", FLOAT, "1", "paired t-test of that difference, over cluttered scenes",
+            low=0, high=1,
+        ),
         Column(
             "p_experiments", FLOAT, "1",
-            "exact McNemar test of it, as if experiments were independent",
+            "exact McNemar test of it, as if experiments were independent", low=0, high=1,
         ),
         Column("n_touched", INT, "1", "experiments whose first order touched an immovable object"),
         _nullable("tpr", "true positive rate: the fraction of them predicted as different"),

@@ -7,7 +7,7 @@ import pandas as pd
 
 from ....storage.columns import FLOAT, TEXT, Column
 from ...config import Config
-from ...declarations import table
+from ...declarations import Expected, table
 from ..builders import described_robot, load_masks_robot
 
 
@@ -16,11 +16,15 @@ from ..builders import described_robot, load_masks_robot
     columns=(
         Column("robot", TEXT, "", "a key of apartment.robots", key=True),
         Column("dof", TEXT, "", "degree of freedom of the arm whose SCP is nearest one half"),
-        Column("scp", FLOAT, "1", "its sensory commutativity probability in the reference"),
+        Column(
+            "scp", FLOAT, "1", "its sensory commutativity probability in the reference",
+            low=0, high=1,
+        ),
     ),
     inputs=["apartment_scp"],
     settings=lambda config: [config.masks.robot, described_robot(config),
                              config.apartment.reference, config.apartment.fields_of_view[0]],
+    expected=lambda config: Expected(("robot",), {(config.masks.robot,): 1}),
 )  # fmt: skip
 def mask_dof(scp: pd.DataFrame, config: Config) -> pd.DataFrame:
     """One row.

@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 
 from ....storage.columns import FLOAT, INT, TEXT, Column
-from ...declarations import Batched, Shards, table
+from ...config import Config
+from ...declarations import Batched, Expected, Shards, table
 from ..builders import MODELS, tuple_runs
 from ..columns import HOUSEHOLD, MODEL, OUTCOME_TRUE, TEST_SET
 
@@ -97,6 +98,12 @@ def first_of_each_outcome(outcomes: Sequence[np.ndarray], n: int) -> list[np.nda
     return chosen
 
 
+def _expected(config: Config, models: Sequence[str]) -> Expected:
+    sets = [name for run in tuple_runs(config).values() for name in run.sets]
+    rows: dict[tuple, int | None] = {(model, name): None for model in models for name in sets}
+    return Expected(("model", "test_set"), rows)
+
+
 @table(
     title="Predictions of every model on the test tuples",
     columns=(
@@ -114,9 +121,9 @@ def first_of_each_outcome(outcomes: Sequence[np.ndarray], n: int) -> list[np.nda
         Column(
             "iou_1", FLOAT, "1",
             "intersection over union of the first mask where something moved; missing if both are "
-            "empty", nullable=True,
+            "empty", nullable=True, low=0, high=1,
         ),
-        Column("iou_2", FLOAT, "1", "of the second mask", nullable=True),
+        Column("iou_2", FLOAT, "1", "of the second mask", nullable=True, low=0, high=1),
         Column(
             "intersection", INT, "pixels", "of predicted and true masks, summed over both views"
         ),
@@ -129,6 +136,8 @@ def first_of_each_outcome(outcomes: Sequence[np.ndarray], n: int) -> list[np.nda
         runs=lambda config: dict.fromkeys(MODELS, 1),
         settings=lambda config, run: config.masks.tests.tuples,
     ),
+    expected=lambda config: _expected(config, MODELS),
+    expected_shard=lambda config, shard: _expected(config, (shard.run,)),
 )  # fmt: skip
 def mask_scores(predictor: Path, *arguments) -> Batched:
     """Score a model on the first tuples of each outcome in every test set.

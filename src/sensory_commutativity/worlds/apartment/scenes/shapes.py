@@ -1,13 +1,15 @@
 """Collision shapes as OBJ files for PyBullet, cached between processes.
 
 Cached files are in the user's cache folder (:func:`....storage.folders.cache_folder`) under names
-derived from their content. They never go stale, and several processes may write the same one at the
-same time.
+derived from what they are made of. They never go stale, and several processes may write the same
+one at the same time. Beside them are their hashes, which are checked whenever they are used: files
+that are damaged are made again.
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import shutil
 import tempfile
@@ -19,6 +21,10 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from ....storage.folders import cache_folder
+from ....storage.hashing import sha256
+
+HASHES = "hashes.json"
+"""Name of the file of hashes in a cache folder."""
 
 MAX_HULL_POINTS = 64
 """Vertices of a convex hull; chosen: collision time grows with them, and with 64 the hull of a
@@ -41,19 +47,50 @@ def ensure_cached(kind: str, content: hashlib._Hash, build: Callable[[Path], Non
         Writes the files into a temporary folder, which is then renamed.
     """
     folder = cache_folder("apartment", f"{kind}-{content.hexdigest()[:32]}")
-    if folder.is_dir():
+    if _is_intact(folder):
         return folder
+    _remove(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
     temporary = Path(tempfile.mkdtemp(prefix=".part-", dir=folder.parent))
     try:
         build(temporary)
+        hashes = {path.name: sha256(path) for path in sorted(temporary.iterdir())}
+        written = json.dumps({"folder": folder.name, "files": hashes})
+        (temporary / HASHES).write_text(written, encoding="utf-8")
         os.rename(temporary, folder)
     except OSError:
-        if not folder.is_dir():  # unless another process was faster
+        if not _is_intact(folder):  # unless another process was faster
             raise
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
     return folder
+
+
+def _is_intact(folder: Path) -> bool:
+    """Whether a cache folder holds exactly the files that were written, unchanged."""
+    try:
+        written = json.loads((folder / HASHES).read_bytes())
+        hashes, names = written["files"], {path.name for path in folder.iterdir()} - {HASHES}
+        return (
+            written["folder"] == folder.name
+            and names == set(hashes)
+            and all(sha256(folder / name) == expected for name, expected in hashes.items())
+        )
+    except (OSError, ValueError, LookupError, AttributeError, TypeError):
+        return False
+
+
+def _remove(folder: Path) -> None:
+    """Remove a damaged cache folder; at once for other processes, which may do the same."""
+    if folder.is_symlink() or folder.is_file():
+        folder.unlink(missing_ok=True)
+    elif folder.exists():
+        try:
+            rubbish = tempfile.mkdtemp(prefix=".part-", dir=folder.parent)
+            os.rename(folder, Path(rubbish, "damaged"))
+        except FileNotFoundError:
+            return
+        shutil.rmtree(rubbish, ignore_errors=True)
 
 
 def compute_hull_points(points: np.ndarray, max_points: int = MAX_HULL_POINTS) -> np.ndarray:
