@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from .robot import warn_about_robot
 from .worlds import build_world, list_worlds, world_options
 
 FILE: Any = click.Path(dir_okay=False, path_type=Path)
@@ -68,8 +69,10 @@ def measure(
             raise click.UsageError(f"{option} {path}: there is no folder {path.parent}; create it")
     if plot is not None:
         _check_format(plot)
+    built = build_world(world, options, which)
+    warn_about_robot(built)
     measurement = measure_world(
-        build_world(world, options, which), n, length, distance, thresholds or None, seed,
+        built, n, length, distance, thresholds or None, seed,
         rest_steps=rest_steps, workers=workers, resume=out,
     )  # fmt: skip
     click.echo(str(measurement))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -48,7 +48,7 @@ def init(urdf: str, out: Path | None, name: str | None, force: bool) -> None:
             raise RobotError(f"{urdf}: the file {error}") from None
         out = out or Path(f"{path.stem}.yaml")
         if out.exists() and not force:
-            raise click.UsageError(f"{out}: exists; choose another --out, or overwrite with --force")
+            raise click.UsageError(f"{out}: exists; choose another --out, or give --force")
         if not out.parent.is_dir():
             raise click.UsageError(f"--out {out}: there is no folder {out.parent}; create it")
         draft = draft_robot(path, out, name)
@@ -62,8 +62,13 @@ def init(urdf: str, out: Path | None, name: str | None, force: bool) -> None:
 @robot.command()
 @click.argument("description", type=FILE)
 @click.option("--draw", type=FILE, help="Picture of the robot to write: PNG, PDF or SVG.")
-@click.option("-n", "--tries", default=3, show_default=True,
-              help="Experiments of every degree of freedom in free space; 0 for none.")
+@click.option(
+    "-n",
+    "--tries",
+    default=3,
+    show_default=True,
+    help="Experiments of every degree of freedom in free space; 0 for none.",
+)
 @click.option("--seed", default=0, show_default=True, help="Determines starts and sequences.")
 @click.option("--force", is_flag=True, help="Overwrite an existing picture.")
 def check(description: Path, draw: Path | None, tries: int, seed: int, force: bool) -> None:
@@ -110,10 +115,22 @@ def describe_probes(probes: list[DofProbe]) -> list[str]:
     return lines
 
 
+def warn_about_robot(world: Any) -> None:
+    """Say which degrees of freedom of a robot in an apartment do not do what they are told."""
+    robot = getattr(world, "robot", None)
+    if robot is None or not hasattr(robot, "urdf"):
+        return
+    from ..worlds.apartment.drafting.probing import probe_robot
+
+    for probe in probe_robot(robot):
+        for problem in probe.problems:
+            click.echo(f"warning: {probe.name}: {problem}", err=True)
+
+
 def _check_picture(draw: Path, force: bool) -> None:
     if draw.suffix.lower() not in (".png", ".pdf", ".svg"):
         raise click.UsageError(f"--draw {draw}: expected a name that ends in .png, .pdf or .svg")
     if draw.exists() and not force:
-        raise click.UsageError(f"{draw}: exists; choose another --draw, or overwrite with --force")
+        raise click.UsageError(f"{draw}: exists; choose another --draw, or give --force")
     if not draw.parent.is_dir():
         raise click.UsageError(f"--draw {draw}: there is no folder {draw.parent}; create it")

@@ -136,11 +136,12 @@ def _read(
 
     _check_content(path, check_file(path, MAX_BYTES))
     resolver = _Resolver(path.parent)
+    given: Any = resolver
     logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # it tells in lines of its own
     try:
         with path.open("rb") as file:
             scene: Any = trimesh.load_scene(
-                file, file_type=path.suffix[1:].lower(), resolver=resolver, process=False
+                file, file_type=path.suffix[1:].lower(), resolver=given, process=False
             )
         meshes = _list_meshes(scene)
     except ModuleNotFoundError:

@@ -86,7 +86,7 @@ def draft_robot(path: Path, out: Path, name: str | None = None) -> Draft:
             f"{path}: no joint of it can move, so it has no degrees of freedom; name the URDF of a "
             "robot"
         )
-    camera, why = guess_camera(urdf)
+    camera, why = guess_camera(urdf, drive.heading if drive is not None else 0.0)
     settings: dict[str, Any] = {
         "name": make_name(name or urdf.name, set()),
         "urdf": portable_name(path, out.resolve().parent),
@@ -112,7 +112,7 @@ def draft_robot(path: Path, out: Path, name: str | None = None) -> Draft:
 def _guess_joints(urdf: Urdf, drive: Drive | None) -> list[JointGuess]:
     taken: set[str] = set()
     guesses = []
-    wheels = (drive.right, drive.left) if drive is not None else ()
+    wheels = [drive.right, drive.left] if drive is not None else []
     idle = drive.idle if drive is not None else ()
     for name in wheels:
         joint = urdf.joints[name]
@@ -189,7 +189,8 @@ class _Trial:
 
     def _find_passing(self) -> tuple[dict, list]:
         """Pairs that touch in nearly all poses, and the others, most often first, with shares."""
-        start, anywhere = Counter(), Counter()  # type: ignore[var-annotated]
+        start: Counter[tuple[str, str]] = Counter()
+        anywhere: Counter[tuple[str, str]] = Counter()
         for _ in range(POSES):
             start.update(self._touching({}))
             anywhere.update(self._touching(self._anywhere()))
@@ -258,9 +259,7 @@ class _Trial:
                 self._draft.settings["start"][name] = list(
                     guess_start(guess.joint, guess.velocity, chosen[name])
                 )
-            self._draft.comments["start"] = (
-                "found by trying: the robot touches itself near zero"
-            )
+            self._draft.comments["start"] = "found by trying: the robot touches itself near zero"
         return best
 
 
@@ -308,8 +307,8 @@ def _lowest_points(robot: Robot, joints: np.ndarray) -> tuple[float | None, floa
         moved_links.add(link)
         stack += [joint.child for joint in robot.urdf.joints_below(link)]
     lowest: dict[bool, float] = {}
-    for name, link in robot.urdf.links.items():
-        points = link_points(link)
+    for name, body in robot.urdf.links.items():
+        points = link_points(body)
         if len(points):
             z, key = float(fr.apply(frames[name], points)[:, 2].min()), name in moved_links
             lowest[key] = min(z, lowest.get(key, z))

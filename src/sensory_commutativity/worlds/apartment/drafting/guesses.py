@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import NamedTuple
 
@@ -32,7 +33,7 @@ MAX_SPEED = {"rad": 1.0, "m": 0.1}
 MAX_DRIVE_SPEED = 0.5
 """m/s of wheels; chosen: as a robot among people."""
 LIMIT_SHARE = 0.8
-"""Of the URDF's limit of the velocity; as iGibson's robots are commanded (config/robots/fetch.yaml)."""
+"""Of the URDF's limit of the velocity; so iGibson commands Fetch (config/robots/fetch.yaml)."""
 CAMERAS = r"camera|kinect|realsense|xtion|zed|(^|_)eyes?($|_)|lens|rgb"
 
 
@@ -70,9 +71,9 @@ def guess_group(urdf: Urdf, joint: Joint) -> str:
     while above is not None and above.kind == "fixed":
         above = urdf.joint_above(above.parent)
     below_in_leg = {"hip": "thigh", "thigh": "calf", "calf": "ankle"}
-    group = below_in_leg.get(guess_group(urdf, above)) if above is not None else None
-    if group is not None:
-        return group
+    next_group = below_in_leg.get(guess_group(urdf, above)) if above is not None else None
+    if next_group is not None:
+        return next_group
     if joint.kind == "prismatic":
         return "slide"
     chain, depth = _movable_chain(urdf, joint)
@@ -134,55 +135,67 @@ def allowed_start(joint: Joint, velocity: float) -> tuple[float, float]:
     return joint.lower + margin, joint.upper - margin
 
 
-def guess_camera(urdf: Urdf) -> tuple[dict, str]:
-    """The key camera of a description, and why."""
+def guess_camera(urdf: Urdf, heading: float = 0.0) -> tuple[dict, str]:
+    """The key camera of a description, and why.
+
+    `heading` is the direction in which the robot drives, in the root link, rad.
+    """
     named = [name for name in urdf.links if re.search(CAMERAS, name.lower())]
     named.sort(key=lambda name: ("optical" in name, not re.search("rgb|colou?r", name), len(name)))
-    if named:
-        link = named[0]
-        camera: dict = {"link": link, "position": [_front(urdf, link), 0.0, 0.0]}
-        if "optical" in link:  # z forward, x right, y down
-            turned = np.eye(4)
-            turned[:3, :3] = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]])
-            rotation = [_round(angle, 5) for angle in fr.to_rpy(turned)]
-            camera = {"link": link, "position": [0.0, 0.0, 0.01], "rotation": rotation}
+    if named and "optical" in named[0]:  # z forward, x right, y down
+        turned = np.eye(4)
+        turned[:3, :3] = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]])
+        rotation = [_round(angle, 5) for angle in fr.to_rpy(turned)]
+        camera = {"link": named[0], "position": [0.0, 0.0, 0.01], "rotation": rotation}
         return camera, "guessed by its name"
     heads = [name for name in urdf.links if re.search("head", name.lower())]
-    if heads:
-        link = heads[-1]
-        return {"link": link, "position": [_front(urdf, link), 0.0, 0.0]}, "guessed: a head"
+    for links, why in ((named[:1], "guessed by its name"), (heads[-1:], "guessed: a head")):
+        for link in links:
+            return _look_ahead(urdf, link, heading), why
     extent = measure_extent(urdf)
     low, high = (np.zeros(3), np.ones(3)) if extent is None else extent
     size = max(float((high - low).max()), 0.2)
-    position = [float(low[0]) - 0.4 * size, 0.0, float(high[2]) * 0.6 + 0.5 * size]
-    pitch = 0.6
+    behind = 0.4 * size + float(np.abs(np.stack([low, high])[:, :2]).max())
+    x, y = -behind * math.cos(heading), -behind * math.sin(heading)
     return {
         "link": urdf.root,
-        "position": [_round(value) for value in position],
-        "rotation": [0.0, pitch, 0.0],
+        "position": [_round(x), _round(y), _round(float(high[2]) * 0.6 + 0.5 * size)],
+        "rotation": [0.0, 0.6, _round(heading)],
     }, "chosen: above and behind, looking down; no link is named like a camera"
 
 
-def _front(urdf: Urdf, link: str) -> float:
-    """x of the front of a link and of what is fixed to it, in its frame, and a little more."""
-    frames, points = link_frames(urdf), [link_points(urdf.links[link])]
-    inverse = np.linalg.inv(frames[link])
-    stack, fixed = [link], [link]
+def _look_ahead(urdf: Urdf, link: str, heading: float) -> dict:
+    """A camera at the front of a link and of what is fixed to it, which looks straight ahead."""
+    frames = link_frames(urdf)
+    ahead = fr.on_floor(0.0, 0.0, heading)[:3, :3]
+    names = [link, *_fixed_to(urdf, link)]
+    points = [fr.apply(frames[name], link_points(urdf.links[name])) for name in names]
+    everything = np.concatenate([frames[link][None, :3, 3], *points]) @ ahead
+    place = np.array([everything[:, 0].max() + 0.01, *(frames[link][:3, 3] @ ahead)[1:]])
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = ahead, ahead @ place
+    in_link = np.linalg.inv(frames[link]) @ pose
+    rotation = [_round(angle, 5) + 0.0 for angle in fr.to_rpy(in_link)]
+    camera: dict = {"link": link, "position": [_round(value) for value in in_link[:3, 3]]}
+    return camera | ({"rotation": rotation} if np.abs(rotation).max() > 1e-3 else {})
+
+
+def _fixed_to(urdf: Urdf, link: str) -> list[str]:
+    """Links that do not move relative to another, on both sides of it."""
+    names, stack = [], [link]
     while stack:
-        for joint in urdf.joints_below(stack.pop()):
-            if joint.kind == "fixed":
-                fixed.append(joint.child)
-                stack.append(joint.child)
+        below = urdf.joints_below(stack.pop())
+        stack += [joint.child for joint in below if joint.kind == "fixed"]
+        names += [joint.child for joint in below if joint.kind == "fixed"]
     above = urdf.joint_above(link)
-    if above is not None and above.kind == "fixed":
-        fixed.append(above.parent)
-    points = [fr.apply(inverse @ frames[name], link_points(urdf.links[name])) for name in fixed]
-    x = np.concatenate([np.zeros((0, 3)), *points])[:, 0]
-    return _round(float(x.max()) + 0.01 if len(x) else 0.01)
+    if above is not None and above.kind == "fixed" and above.parent != urdf.root:
+        names += [above.parent]
+    return names
 
 
 def _round(value: float, digits: int = 4) -> float:
-    return float(f"{value:.{digits}g}")
+    rounded = float(f"{value:.{digits}g}")
+    return rounded if abs(rounded) >= 1e-6 else 0.0
 
 
 def _inside(value: float, joint: Joint) -> float:

@@ -118,9 +118,18 @@ def probe_robot(robot: Robot, tries: int = 0, seed: int = 0) -> list[DofProbe]:
         commuted, stopped, contact = shares[k] if shares is not None else [math.nan] * 3
         probes.append(
             DofProbe(
-                dof.name, dof.unit, settings.group, asked, moved, _share_at_stop(robot, k),
-                float(stopped), touched, float(contact), float(commuted), tries,
-            )  # fmt: skip
+                dof.name,
+                dof.unit,
+                settings.group,
+                asked,
+                moved,
+                _share_at_stop(robot, k),
+                float(stopped),
+                touched,
+                float(contact),
+                float(commuted),
+                tries,
+            )
         )
     world.simulation.close()
     return probes
@@ -194,10 +203,6 @@ def _play(world: ApartmentWorld, seed: int, i: int) -> list[tuple[float, float, 
         first, second = endings.first, endings.second
         apart = np.abs(np.concatenate([first.base - second.base, first.joints - second.joints]))
         stopped = first.at_limit + second.at_limit > 0
-        contact = sum(
-            ending.touched_self + ending.touched_fixed for ending in (first, second)
-        ) > 0
+        contact = sum(ending.touched_self + ending.touched_fixed for ending in (first, second)) > 0
         rows.append((float(apart.max(initial=0.0) <= SAME), float(stopped), float(contact)))
     return rows
-
-

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import combinations
 from typing import NamedTuple
 
@@ -30,11 +31,13 @@ class Wheel(NamedTuple):
 class Drive(NamedTuple):
     """The joints of a differential drive, and where the robot turns (x in the root link, m).
 
+    `heading` is the direction in which it drives, in the root link, rad.
     `idle` are joints of further wheels and casters, which no degree of freedom moves.
     """
 
     right: str
     left: str
+    heading: float
     axle: float | None
     idle: tuple[str, ...]
 
@@ -65,7 +68,11 @@ def find_drive(urdf: Urdf) -> Drive | None:
     if len({wheel.joint for wheel in driven}) > 2 and abs(across[1]) >= abs(across[0]):
         axle = float(np.mean(sorted({round(float(wheel.centre[0]), 4) for wheel in driven})))
     idle = [wheel.joint for wheel in others] + _swivels(urdf, others)
-    return Drive(right.joint, left.joint, axle, tuple(idle))
+    across = left.centre - right.centre
+    heading = math.atan2(-across[0], across[1])
+    return Drive(
+        right.joint, left.joint, heading if abs(heading) > 0.02 else 0.0, axle, tuple(idle)
+    )
 
 
 def find_wheels(urdf: Urdf) -> list[Wheel]:

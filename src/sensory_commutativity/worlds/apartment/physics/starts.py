@@ -136,9 +136,7 @@ def explain_contacts(simulation: Simulation, rng: np.random.Generator) -> tuple[
         )
     if kind == "floor":
         return why, "raise the robot with the key height, or let it start in another pose"
-    return why, (
-        "make room in the scene, let the robot start in a smaller pose, or ask for less"
-    )
+    return why, ("make room in the scene, let the robot start in a smaller pose, or ask for less")
 
 
 def _describe_pair(simulation: Simulation, pair: tuple[str, str, str]) -> str:
@@ -170,9 +168,7 @@ def _draw_free(
     return max_draws, False
 
 
-def _draw_pose(
-    simulation: Simulation, rng: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray]:
+def _draw_pose(simulation: Simulation, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Draw a base pose, float64 (3,), and joint positions, float64 (n,)."""
     areas, shares = simulation.scene.areas, simulation.scene.area_shares
     area = areas[int(rng.choice(len(areas), p=shares))]

@@ -28,6 +28,7 @@ from .. import frames as fr
 from ..scenes.scene import Part
 from ..scenes.shapes import ensure_cached
 from .bullet_urdf import Collider, LinkFrames, Tree, write_urdf
+from .checks import check_shapes
 from .robot import Robot
 from .urdf import Joint
 from .visuals import load_visuals, save_visuals
@@ -102,6 +103,7 @@ def build_body(robot: Robot) -> Body:
     colliders = _collect_colliders(robot, source_links)
 
     def make(folder: Path) -> None:
+        check_shapes(robot)
         write_urdf(folder, robot, Tree(source_links, parents, frames, colliders))
         save_visuals(folder / "parts.npz", robot, source_links)
 

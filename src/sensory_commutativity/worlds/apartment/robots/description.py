@@ -22,8 +22,8 @@ class DofDescription(Section):
     name: Name = Field(description="Name in tables and figures.")
     joints: list[str] = Field(
         min_length=1,
-        description="Joints of the URDF that move together. Joints that mimic one of them (<mimic>) "
-        "follow it, listed or not.",
+        description="Joints of the URDF that move together. Joints that mimic one of them follow "
+        "it, listed or not.",
     )
     ratio: dict[str, float] = Field(
         default_factory=dict,
@@ -61,8 +61,8 @@ class DriveDescription(Section):
     )  # fmt: skip
     axle: float | None = Field(
         None,
-        description="Where the robot turns, along the x axis of the root link, metres; default: the "
-        "middle of the two wheels. For robots with four wheels: the middle of all.",
+        description="Where the robot turns, along the x axis of the root link, metres; default: "
+        "the middle of the two wheels. For robots with four wheels: the middle of all.",
     )
     # Measured: these follow a ramp to 1 m/s, and to 6 rad/s, with a robot of 115 kg.
     force: float = Field(1500.0, gt=0, description="Maximum force on the base, N.")

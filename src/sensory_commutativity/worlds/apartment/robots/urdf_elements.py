@@ -211,8 +211,10 @@ class ElementReader:
         if material is None:
             return None, None
         own = self._read_material(material)
-        return own if own != (None, None) else self._materials.get(
-            material.get("name", ""), (None, None)
+        return (
+            own
+            if own != (None, None)
+            else self._materials.get(material.get("name", ""), (None, None))
         )
 
     def _read_material(self, material: ET.Element) -> tuple[Vector | None, Path | None]:

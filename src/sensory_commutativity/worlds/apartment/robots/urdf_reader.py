@@ -147,8 +147,6 @@ def _check_mimics(path: Path, joints: dict[str, Joint]) -> None:
                     "correct its name"
                 )
             if name in seen:
-                raise RobotError(
-                    f"{path}: joint {joint.name!r} mimics itself; remove a <mimic>"
-                )
+                raise RobotError(f"{path}: joint {joint.name!r} mimics itself; remove a <mimic>")
             seen.add(name)
             current = joints[name]

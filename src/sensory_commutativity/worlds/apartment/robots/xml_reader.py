@@ -36,7 +36,7 @@ class _Builder(ET.TreeBuilder):
         super().__init__()
         self._elements = self._depth = 0
 
-    def start(self, tag, attrs, /):  # type: ignore[no-untyped-def]
+    def start(self, tag, attrs, /):
         self._elements += 1
         self._depth += 1
         if self._elements > MAX_ELEMENTS:
@@ -46,7 +46,7 @@ class _Builder(ET.TreeBuilder):
         local = {key.rpartition("}")[2]: value for key, value in attrs.items()}
         return super().start(_local_name(tag), local)
 
-    def end(self, tag, /):  # type: ignore[no-untyped-def]
+    def end(self, tag, /):
         self._depth -= 1
         return super().end(_local_name(tag))
 

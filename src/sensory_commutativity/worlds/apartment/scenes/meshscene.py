@@ -242,8 +242,7 @@ def _cover(
     if not (x.size and y.size):
         return
     first, second, third = (
-        (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
-        for p, q in ((a, b), (b, c), (c, a))
+        (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]) for p, q in ((a, b), (b, c), (c, a))
     )
     covered[i, j] |= (first >= 0) & (second >= 0) & (third >= 0)
     covered[i, j] |= (first <= 0) & (second <= 0) & (third <= 0)
