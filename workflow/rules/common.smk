@@ -23,7 +23,11 @@ from sensory_commutativity.studies.declarations import (
     Model,
     Table,
 )
-from sensory_commutativity.studies.loading import validate, write_resolved
+from sensory_commutativity.studies.loading import (
+    remove_keys,
+    validate,
+    write_resolved,
+)
 from sensory_commutativity.studies.paths import resolve_merged_paths
 from sensory_commutativity.studies.registry import (
     declarations,
@@ -47,8 +51,9 @@ def read_config():
         for file in files
     ]
     folders = [file.parent for file in files]
+    merged = remove_keys(config, layers)  # Snakemake cannot remove a key
     return validate(
-        resolve_merged_paths(config, list(zip(layers, folders, strict=True)))
+        resolve_merged_paths(merged, list(zip(layers, folders, strict=True)))
     )
 
 

@@ -27,6 +27,7 @@ CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 COMMANDS = {
     "measure": ("measure", "Measure the SCP of a world's degrees of freedom."),
     "check": ("measure", "Check that a world can be measured."),
+    "robot": ("robot", "Describe and check a robot of your own."),
     "predict": ("predict", "Find what changed between two pictures of one camera."),
     "table": ("products", "Compute a table of a study, or a shard of it."),
     "arrays": ("products", "Compute arrays of a study, or a shard of them."),

@@ -9,6 +9,7 @@ import click
 
 from ..errors import WorldError
 from ..storage.atomic import atomic_write
+from .robot import warn_about_robot
 from .worlds import build_world, list_worlds, world_options
 
 if TYPE_CHECKING:
@@ -73,8 +74,10 @@ def measure(
             raise click.UsageError(f"{option} {path}: there is no folder {path.parent}; create it")
     if plot is not None:
         _check_format(plot)
+    built = build_world(world, options, which)
+    warn_about_robot(built)
     measurement = measure_world(
-        build_world(world, options, which), n, length, distance, thresholds or None, seed,
+        built, n, length, distance, thresholds or None, seed,
         rest_steps=rest_steps, workers=workers, resume=out,
     )  # fmt: skip
     click.echo(str(measurement))

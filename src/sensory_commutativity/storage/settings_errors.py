@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from types import UnionType
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from ..errors import ConfigError
+from .settings import NAME_PATTERN
 
 MAX_INTEGER = 10**300
 """Chosen: larger integers overflow to infinity in floating-point arithmetic."""
 MAX_SHOWN = 60
 """Characters of a value that a message shows; chosen: so that the message fits on a line or two."""
+
+_NUMBERS = ("int", "float", "finite", "greater", "less", "multiple")
+"""Beginnings of pydantic's error types that concern numbers."""
 
 
 def check_json_value(value: Any, key: str) -> None:
@@ -82,7 +87,10 @@ def explain(error: ValidationError, root: type[BaseModel]) -> str:
     else:
         expected = f"{first['msg'][0].lower()}{first['msg'][1:]}"
         remedy = "set such a value"
-        if isinstance(first["input"], str):
+        if first["type"] == "string_pattern_mismatch" and first["ctx"]["pattern"] == NAME_PATTERN:
+            expected = "names consist of lower-case letters, digits and hyphens"
+            remedy = f"write {_suggest_name(str(first['input']))!r}, for example"
+        elif isinstance(first["input"], str) and first["type"].startswith(_NUMBERS):
             remedy = "write numbers without quotes and as 0.001 or 1.0e-3"
         message = f"{expected}, got {_shorten(first['input'])}; {remedy} (see config/README.md)"
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
@@ -100,6 +108,11 @@ def _shorten(value: Any) -> str:
     except ValueError:  # Python converts no integer of more than 4300 digits
         text = f"a {type(value).__name__} of very many digits"
     return text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "..."
+
+
+def _suggest_name(text: str) -> str:
+    """The valid name that is most like a text."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:40].strip("-") or "name"
 
 
 def _suggest(location: tuple[str | int, ...], root: type[BaseModel]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -43,12 +44,50 @@ def validate(settings: Any) -> Config:
 
 
 def merge(base: dict[str, Any], overlay: dict[str, Any]) -> dict[str, Any]:
-    """Merge `overlay` over `base`, recursively where both hold mappings."""
+    """Merge `overlay` over `base`, recursively where both hold mappings.
+
+    An empty mapping replaces what `base` holds, and null removes a key, so that its default holds.
+    """
+    merged = dict(base)
+    for key, value in overlay.items():
+        if value is None:
+            merged.pop(key, None)
+        elif value and isinstance(value, dict) and isinstance(merged.get(key), dict):
+            merged[key] = merge(merged[key], value)
+        else:
+            merged[key] = value
+    return merged
+
+
+def remove_keys(merged: dict[str, Any], layers: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return what others have merged from `layers` without the keys that a layer removes.
+
+    Snakemake merges mappings key by key, so that an empty one removes nothing.
+    """
+    kept: dict[str, Any] = {}
+    everything: dict[str, Any] = {}
+    for layer in layers:
+        kept, everything = merge(kept, layer), _merge_keys(everything, layer)
+    return _remove(merged, everything, kept)
+
+
+def _merge_keys(base: dict[str, Any], overlay: dict[str, Any]) -> dict[str, Any]:
     merged = dict(base)
     for key, value in overlay.items():
         both = isinstance(value, dict) and isinstance(merged.get(key), dict)
-        merged[key] = merge(merged[key], value) if both else value
+        merged[key] = _merge_keys(merged[key], value) if both else value
     return merged
+
+
+def _remove(merged: Any, everything: Any, kept: Any) -> Any:
+    """Leave out what is in `everything` but not in `kept`; other values come from elsewhere."""
+    if not (isinstance(merged, dict) and isinstance(everything, dict) and isinstance(kept, dict)):
+        return merged
+    return {
+        key: _remove(value, everything.get(key), kept.get(key))
+        for key, value in merged.items()
+        if key not in everything or key in kept or value != everything[key]
+    }
 
 
 def read_settings(*files: str | Path) -> dict[str, Any]:

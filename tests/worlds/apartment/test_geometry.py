@@ -9,6 +9,7 @@ import pytest
 import trimesh
 
 from sensory_commutativity.worlds.apartment import geometry
+from sensory_commutativity.worlds.apartment.meshfiles import load_mesh
 
 CUP = [(0, 0), (1, 0), (1, 2), (0.9, 2), (0.9, 0.1), (0, 0.1)]
 
@@ -32,8 +33,8 @@ def test_meshes_are_closed_and_face_outwards():
 
 def test_a_mesh_file_is_read_and_decimated(tmp_path):
     trimesh.creation.icosphere(subdivisions=3, radius=2.0).export(tmp_path / "ball.stl")
-    full = geometry.load_mesh(tmp_path / "ball.stl")
-    decimated = geometry.load_mesh(tmp_path / "ball.stl", 100)
+    full = load_mesh(tmp_path / "ball.stl")
+    decimated = load_mesh(tmp_path / "ball.stl", 100)
     assert len(full.faces) == 1280
     assert len(decimated.faces) <= 110
     assert geometry.volume(full) == pytest.approx(33.1, rel=0.02)

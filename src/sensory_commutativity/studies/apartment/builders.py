@@ -152,7 +152,7 @@ def settings_of_run(config: Config, run: ApartmentRun) -> list[object]:
 
 
 def check_apartment(config: Config) -> None:
-    """Check that all files exist and can be read; fast, nothing is simulated.
+    """Check that all files exist and can be read; nothing is simulated.
 
     Raises
     ------
@@ -160,6 +160,7 @@ def check_apartment(config: Config) -> None:
         With the file, what is wrong, and the remedy.
     """
     from ...perceptual.weights import WeightsError
+    from ...worlds.apartment.robots.checks import check_shapes
 
     settings = config.apartment
     if settings.weights is not None and not Path(settings.weights).is_file():
@@ -168,7 +169,7 @@ def check_apartment(config: Config) -> None:
             "give a file, or null to fetch the weights"
         )
     for robot in settings.robots:
-        load_named_robot(settings, robot)
+        check_shapes(load_named_robot(settings, robot))
     for run in settings.runs():
         build_scene(settings, run.scene)
 

@@ -1,4 +1,4 @@
-"""Triangle meshes: primitives, solids of revolution, and mesh files.
+"""Triangle meshes: primitives and solids of revolution.
 
 All lengths are in metres. Faces are counter-clockwise seen from outside. Textures repeat once per
 metre on boxes and on meshes from files, whatever their size, so a floor tile has the same size
@@ -10,10 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -113,6 +110,15 @@ def cylinder(radius: float, half_height: float, sides: int = 16) -> Mesh:
     return lathe([(0.0, bottom), (radius, bottom), (radius, top), (0.0, top)], sides)
 
 
+def capsule(radius: float, half_height: float, rings: int = 8, sides: int = 12) -> Mesh:
+    """Return an upright cylinder with round caps, which add `radius` at both ends."""
+    angles = np.linspace(-math.pi / 2, 0, rings // 2 + 1)[1:]
+    lower = [(radius * math.cos(a), radius * math.sin(a) - half_height) for a in angles]
+    upper = [(r, -z) for r, z in reversed(lower)]
+    end = half_height + radius
+    return lathe([(0.0, -end), *lower, *upper, (0.0, end)], sides)
+
+
 def sphere(radius: float, rings: int = 8, sides: int = 12) -> Mesh:
     """Return a sphere centred on the origin."""
     angles = np.linspace(-math.pi / 2, math.pi / 2, rings + 1)
@@ -151,7 +157,7 @@ def handle(radius: float, thickness: float, bends: int = 8, sides: int = 5) -> M
     last = bends * sides
     first_cap = [(0, i + 1, i) for i in range(1, sides - 1)]
     last_cap = [(last, last + i, last + i + 1) for i in range(1, sides - 1)]
-    return _project_texture(vertices, np.array([*faces, *first_cap, *last_cap]))
+    return project_texture(vertices, np.array([*faces, *first_cap, *last_cap]))
 
 
 # ---- operations ------------------------------------------------------------------------------
@@ -184,68 +190,7 @@ def volume(mesh: Mesh) -> float:
     return float((a * np.cross(b, c)).sum() / 6)
 
 
-# ---- files -----------------------------------------------------------------------------------
-
-
-def load_mesh(path: Path, max_faces: int | None = None) -> Mesh:
-    """Read a mesh file with trimesh, all its parts as one mesh.
-
-    Parameters
-    ----------
-    path : Path
-    max_faces : int, optional
-        Simplify the mesh to about this many triangles.
-
-    Raises
-    ------
-    ValueError
-        The file contains no triangles. trimesh raises other errors for files it cannot read.
-    """
-    import fast_simplification
-
-    raw = _read(path)
-    vertices, faces = np.asarray(raw.vertices, np.float64), np.asarray(raw.faces, np.int64)
-    if max_faces is not None and len(faces) > max_faces:
-        simple_vertices, simple_faces = fast_simplification.simplify(
-            vertices.astype(np.float32), faces.astype(np.int32), target_count=max_faces
-        )
-        vertices = np.asarray(simple_vertices, np.float64)
-        faces = np.asarray(simple_faces, np.int64)
-    return _project_texture(vertices, faces)
-
-
-def load_coloured_mesh(path: Path) -> tuple[Mesh, np.ndarray | None]:
-    """Read a mesh file with the colour of every face.
-
-    Returns
-    -------
-    mesh : Mesh
-        As :func:`load_mesh` reads it.
-    colours : float64 (m, 3) or None
-        Red, green and blue in [0, 1], from vertices, faces or textures; None if the file has none.
-    """
-    raw = _read(path)
-    colours = None
-    with suppress(AttributeError, ValueError, IndexError):  # a texture is missing or unreadable
-        visual = raw.visual.to_color() if raw.visual.kind == "texture" else raw.visual
-        if visual.kind is not None:
-            colours = np.asarray(visual.face_colors, np.float64)[:, :3] / 255
-    mesh = _project_texture(np.asarray(raw.vertices, np.float64), np.asarray(raw.faces, np.int64))
-    return mesh, colours
-
-
-def _read(path: Path) -> Any:
-    """Return trimesh's ``Trimesh`` of a file; it has at least one triangle."""
-    import trimesh
-
-    raw: Any = trimesh.load(path, force="mesh", process=True)
-    if len(getattr(raw, "faces", ())) == 0:
-        raise ValueError("it holds no triangles")
-    raw.merge_vertices(merge_tex=True, merge_norm=True)
-    return raw
-
-
-def _project_texture(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
+def project_texture(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
     """Return the mesh with texture coordinates in metres.
 
     The texture of each triangle is projected along the axis to which it is most nearly

@@ -40,6 +40,36 @@ class CollisionQueries:
         """
         return self._penetrates(self._scenery.movables[i], depth)
 
+    def penetrating_pairs(self) -> list[tuple[str, str, str]]:
+        """Return what penetrates at the current poses, each pair once.
+
+        Returns
+        -------
+        list of (link, kind, name)
+            A link of the robot's URDF, and "link" with another one, "fixture" or "object" with its
+            number, or "floor" and "".
+        """
+        pybullet.performCollisionDetection(physicsClientId=self._client)
+        me, colliders = self._robot.id, self._robot.colliders
+        pairs = set()
+        for point in pybullet.getContactPoints(me, physicsClientId=self._client):
+            if point[8] >= 0:
+                continue
+            if point[1] == point[2]:
+                first, second = sorted(colliders[number].source for number in point[3:5])
+                pairs.add((first, "link", second))
+                continue
+            link, body = (point[3], point[2]) if point[1] == me else (point[4], point[1])
+            pairs.add((colliders[link].source, *self._identify(body)))
+        return sorted(pairs)
+
+    def _identify(self, body: int) -> tuple[str, str]:
+        if body in self._scenery.fixtures:
+            return "fixture", str(self._scenery.fixtures[body])
+        if body in self._scenery.movables:
+            return "object", str(self._scenery.movables.index(body))
+        return "floor", ""
+
     def clearance(self, max_distance: float, links: Collection[int] | None = None) -> float:
         """Return the distance from the robot to the nearest fixture or object.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 
 import numpy as np
 
@@ -14,6 +15,9 @@ MAX_CLEARANCE = 1.0
 MAX_DRAWS = 5_000
 """Poses that are drawn before a start counts as impossible; chosen: takes about 20 s, and is a
 hundred times what the stand-in apartments need."""
+
+EXPLAINED_DRAWS, EXPLAINED_PAIRS = 50, 4
+"""Poses that are drawn to say why none is valid, and pairs that are named. Chosen."""
 
 
 class StartError(UserError):
@@ -84,10 +88,10 @@ def draw_start(
             simulation.settle()
             return clearance
     far = f", in the others nothing is within {within:g} m of the arm" if within is not None else ""
+    why, remedy = explain_contacts(simulation, rng)
     raise StartError(
         f"scene {simulation.scene.name!r} with robot {robot!r}: none of {max_draws} random poses "
-        f"is a valid start ({touching} touch something{far}); make room in the scene, "
-        "let the robot start in a smaller pose, or ask for less"
+        f"is a valid start ({touching} touch something{why}{far}); {remedy}"
     )
 
 
@@ -105,10 +109,46 @@ def draw_free_pose(
         No draw was valid.
     """
     if not _draw_free(simulation, rng, max_draws)[1]:
+        why, remedy = explain_contacts(simulation, rng)
         raise StartError(
             f"scene {simulation.scene.name!r}: the robot touches something in each of {max_draws} "
-            "random poses; make room in the scene"
+            f"random poses{why}; {remedy}"
         )
+
+
+def explain_contacts(simulation: Simulation, rng: np.random.Generator) -> tuple[str, str]:
+    """Say which links touch what in random poses, most often first, and what helps."""
+    counts: Counter[tuple[str, str, str]] = Counter()
+    for _ in range(EXPLAINED_DRAWS):
+        if not simulation.fits(*_draw_pose(simulation, rng)):
+            counts.update(simulation.collisions.penetrating_pairs())
+    shown = [
+        f"{_describe_pair(simulation, pair)} in {count / EXPLAINED_DRAWS:.0%}"
+        for pair, count in counts.most_common(EXPLAINED_PAIRS)
+    ]
+    more = f" and {len(counts) - len(shown)} more pairs" if len(counts) > len(shown) else ""
+    why = f": {', '.join(shown)}{more}" if shown else ""
+    kind = counts.most_common(1)[0][0][1] if counts else ""
+    if kind == "link":
+        return why, (
+            "list pairs of links that touch in every pose under the key passing of the robot's "
+            "file (sencom robot init finds them), or let it start in another pose"
+        )
+    if kind == "floor":
+        return why, "raise the robot with the key height, or let it start in another pose"
+    return why, ("make room in the scene, let the robot start in a smaller pose, or ask for less")
+
+
+def _describe_pair(simulation: Simulation, pair: tuple[str, str, str]) -> str:
+    link, kind, name = pair
+    scene = simulation.scene
+    if kind == "link":
+        return f"its own links {link!r} and {name!r}"
+    if kind == "fixture":
+        return f"{link!r} and the fixture {scene.fixtures[int(name)].name!r}"
+    if kind == "object":
+        return f"{link!r} and the object {scene.movables[int(name)].name!r}"
+    return f"{link!r} and the floor"
 
 
 def _draw_free(
@@ -122,13 +162,16 @@ def _draw_free(
             "give it a room, or areas"
         )
     simulation.reset(np.array(PARKED), np.zeros(len(simulation.robot.joints)))
-    sizes = np.array([(area.x[1] - area.x[0]) * (area.y[1] - area.y[0]) for area in areas])
     for draw in range(1, max_draws + 1):
-        area = areas[int(rng.choice(len(areas), p=sizes / sizes.sum()))]
-        base = np.array(
-            [rng.uniform(*area.x), rng.uniform(*area.y), rng.uniform(-math.pi, math.pi)]
-        )
-        joints = simulation.robot.draw_joints(rng)
-        if simulation.fits(base, simulation.robot.clip_joints(joints)):
+        if simulation.fits(*_draw_pose(simulation, rng)):
             return draw, True
     return max_draws, False
+
+
+def _draw_pose(simulation: Simulation, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Draw a base pose, float64 (3,), and joint positions, float64 (n,)."""
+    areas, shares = simulation.scene.areas, simulation.scene.area_shares
+    area = areas[int(rng.choice(len(areas), p=shares))]
+    base = np.array([rng.uniform(*area.x), rng.uniform(*area.y), rng.uniform(-math.pi, math.pi)])
+    joints = simulation.robot.draw_joints(rng)
+    return base, simulation.robot.clip_joints(joints)

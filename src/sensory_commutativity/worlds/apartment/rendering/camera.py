@@ -200,7 +200,8 @@ def _gather_triangles(drawables: Sequence[Drawable]) -> Triangles:
     vertex_ends = np.cumsum(n_vertices, dtype=np.int64)
     vertex_starts = vertex_ends - n_vertices
     bodies = [drawable.body for drawable in drawables]
-    table = np.stack([face_ends - n_faces, face_ends, vertex_starts, vertex_ends, bodies], 1)
+    sides = [1 + drawable.part.two_sided for drawable in drawables]
+    table = np.stack([face_ends - n_faces, face_ends, vertex_starts, vertex_ends, bodies, sides], 1)
     spheres = [_bounding_sphere(mesh.vertices) for mesh in meshes]
     # The empty arrays give the right shape where there is nothing to draw.
     vertices = [np.zeros((0, 3)), *(mesh.vertices for mesh in meshes)]

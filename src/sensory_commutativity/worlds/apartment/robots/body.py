@@ -28,6 +28,7 @@ from .. import frames as fr
 from ..scenes.scene import Part
 from ..scenes.shapes import ensure_cached
 from .bullet_urdf import Collider, LinkFrames, Tree, write_urdf
+from .checks import check_shapes
 from .robot import Robot
 from .urdf import Joint
 from .visuals import load_visuals, save_visuals
@@ -54,7 +55,7 @@ class Body:
         Parent of each link; -1 for link 0.
     frames : float64 (n, 4, 4)
         Frame of each link in its parent when its joint is at zero; of link 0 in the point of the
-        floor below the robot.
+        floor below the robot: below the middle of the axle, or of the root link without a drive.
     axes : float64 (n, 3)
         Joint axes in the frame of the link.
     prismatic : bool (n,)
@@ -102,6 +103,7 @@ def build_body(robot: Robot) -> Body:
     colliders = _collect_colliders(robot, source_links)
 
     def make(folder: Path) -> None:
+        check_shapes(robot)
         write_urdf(folder, robot, Tree(source_links, parents, frames, colliders))
         save_visuals(folder / "parts.npz", robot, source_links)
 
@@ -154,7 +156,7 @@ def _merge_links(robot: Robot) -> tuple[LinkFrames, np.ndarray, np.ndarray]:
     n = len(moved_link) + 1
     source_links: LinkFrames = {urdf.root: (0, np.eye(4))}
     parents, frames = np.full(n, -1), np.tile(np.eye(4), (n, 1, 1))
-    frames[0, 2, 3] = robot.height
+    frames[0] = robot.root_frame
     stack = [urdf.root]
     while stack:
         name = stack.pop()
@@ -172,7 +174,7 @@ def _merge_links(robot: Robot) -> tuple[LinkFrames, np.ndarray, np.ndarray]:
 
 def _fixed_motion(robot: Robot, joint: Joint) -> np.ndarray:
     """Return the motion of a joint outside the degrees of freedom: float64 (4, 4)."""
-    position = robot.description.fixed.get(joint.name, min(max(0.0, joint.lower), joint.upper))
+    position = robot.fixed_position(joint)
     if joint.kind == "prismatic":
         return fr.translation(joint.axis, position)
     return fr.rotation(joint.axis, position)
@@ -195,6 +197,7 @@ def _digest(robot: Robot) -> hashlib._Hash:
     content = hashlib.sha256(robot.description.model_dump_json().encode())
     folder = Path(__file__).parents[1]
     sources = [folder / "frames.py", folder / "geometry.py", *sorted(folder.glob("robots/*.py"))]
+    sources += [folder / "files.py", folder / "meshfiles.py"]
     sources += [folder / "scenes" / f"{name}.py" for name in ("scene", "scenery", "shapes")]
     for path in [*robot.urdf.files, *sources]:
         content.update(hashlib.sha256(path.read_bytes()).digest())

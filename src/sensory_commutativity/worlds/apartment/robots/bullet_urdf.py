@@ -33,6 +33,9 @@ with every robot."""
 _MIN_GYRATION_RADIUS = 0.01
 """Metres; chosen: a link resists turning at least as much as a ball of this radius of gyration."""
 
+_MAX_GYRATION_RADIUS = 3.0
+"""Metres; chosen: no link of a robot is so large. Files with moments in g mm^2 exceed it."""
+
 
 @dataclass(frozen=True)
 class Collider:
@@ -111,8 +114,8 @@ def write_urdf(folder: Path, robot: Robot, tree: Tree) -> None:
 def merge_inertials(links: Sequence[tuple[Link, np.ndarray]]) -> Inertial:
     """Return the inertial of several links at their frames as one rigid body.
 
-    Mass and moments are raised to the smallest that simulate well, and to what a rigid body can
-    have.
+    Mass and moments are raised to the smallest that simulate well, and brought to what a rigid
+    body can have.
     """
     mass = sum(link.mass for link, _ in links)
     centre, inertia = np.zeros(3), np.zeros((3, 3))
@@ -126,7 +129,7 @@ def merge_inertials(links: Sequence[tuple[Link, np.ndarray]]) -> Inertial:
                 inertia += turn @ link.inertia @ turn.T + link.mass * steiner
     mass = max(mass, _MIN_MASS)
     moments, axes = np.linalg.eigh(inertia)
-    moments = np.maximum(moments, mass * _MIN_GYRATION_RADIUS**2)
+    moments = np.clip(moments, mass * _MIN_GYRATION_RADIUS**2, mass * _MAX_GYRATION_RADIUS**2)
     moments[2] = min(moments[2], moments[0] + moments[1])  # triangle inequality of rigid bodies
     frame = np.eye(4)
     frame[:3, :3] = axes * [1, 1, np.linalg.det(axes)]  # right-handed
@@ -177,9 +180,9 @@ def _add_collision(link: ET.Element, collider: Collider, folder: Path | None) ->
     _add_origin(collision, collider.frame)
     if shape.kind == "box":
         ET.SubElement(geometry, "box", size=" ".join(repr(2 * half) for half in shape.size))
-    elif shape.kind == "cylinder":
+    elif shape.kind in ("cylinder", "capsule"):
         radius, half_height = shape.size
-        ET.SubElement(geometry, "cylinder", radius=repr(radius), length=repr(2 * half_height))
+        ET.SubElement(geometry, shape.kind, radius=repr(radius), length=repr(2 * half_height))
     else:
         ET.SubElement(geometry, "sphere", radius=repr(shape.size[0]))
 

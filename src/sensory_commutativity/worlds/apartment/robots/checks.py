@@ -7,14 +7,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from .robot import Robot
-from .urdf import Joint
+from .shape_sizes import measure_extent, measure_wheel_radius
+from .urdf import Joint, RobotError
+from .visuals import load_shape_mesh
+
+MAX_DIFFERENCE = 0.1
+"""Relative difference between a size in the description and in the URDF that is taken as meant;
+chosen: a worn tyre differs by less."""
+MIN_EXTENT = 0.02
+"""Metres: a robot that is smaller as a whole is taken for a mistake in units; chosen."""
 
 
 def find_problems(robot: Robot) -> Iterator[str]:
     """Yield every disagreement between the description and the URDF of a robot."""
     driven_by = {name: dof.name for dof in robot.description.dofs for name in dof.joints}
     yield from _check_dofs(robot)
+    yield from _check_ratios(robot)
     yield from _check_drive(robot, driven_by)
     yield from _check_hierarchy(robot)
     yield from _check_links(robot)
@@ -40,8 +51,18 @@ def _check_dofs(robot: Robot) -> Iterator[str]:
                 )
             driven_by[name] = dof.name
             kind = joints[name].kind
-            if kind == "fixed" or joints[name].lower == joints[name].upper:
+            if kind == "fixed":
                 yield f"{where}, which cannot move; choose one of {_movable(joints)}"
+            elif joints[name].lower == joints[name].upper == 0:
+                yield (
+                    f"{where}, which cannot move: its limits in {file} are both 0; write lower and "
+                    "upper, or make the joint continuous if it has no stops"
+                )
+            elif joints[name].lower == joints[name].upper:
+                yield (
+                    f"{where}, which cannot move: its limits in {file} are both "
+                    f"{joints[name].lower:g}; choose one of {_movable(joints)}"
+                )
             unit = "m" if kind == "prismatic" else "rad"
             if dof.unit != unit:
                 yield (
@@ -59,12 +80,84 @@ def _check_drive(robot: Robot, driven_by: dict[str, str]) -> Iterator[str]:
             )
     if len(set(robot.wheels)) == 1:
         yield f"drive: both wheels are the joint {robot.wheels[0]!r}; name two"
+    elif all(name in robot.urdf.joints for name in robot.wheels):
+        yield from _check_axle(robot)
     for dof in robot.description.dofs:
         if set(dof.joints) & set(robot.wheels) and len(dof.joints) > 1:
             yield (
                 f"dofs: {dof.name!r} moves a wheel and another joint; "
                 "give each wheel its own degree of freedom"
             )
+
+
+def _check_axle(robot: Robot) -> Iterator[str]:
+    """Compare the drive with where the URDF puts the wheels."""
+    if not robot.wheels or robot.description.drive is None:
+        return
+    file, (right, left) = robot.urdf.path.name, robot.wheel_positions
+    measured, given = robot.measured_track, robot.description.drive.track
+    if measured < 1e-3:
+        yield (
+            f"drive: {file} puts both wheels at the same place, so they cannot turn the robot; "
+            "name a wheel on each side"
+        )
+    elif right[1] > left[1] + 1e-3 and abs(right[0] - left[0]) < measured / 2:
+        yield (
+            f"drive: {file} puts the right wheel {robot.wheels[0]!r} at y = {right[1]:g} and the "
+            f"left wheel {robot.wheels[1]!r} at y = {left[1]:g}, but left is where y is larger; "
+            "exchange them"
+        )
+    elif given is not None and abs(given - measured) > MAX_DIFFERENCE * measured:
+        yield (
+            f"drive.track: is {given:g} m, but in {file} the wheels are {measured:g} m apart; "
+            "write metres, or leave the key out to take the URDF's"
+        )
+
+
+def _check_ratios(robot: Robot) -> Iterator[str]:
+    for dof in robot.description.dofs:
+        for name, ratio in dof.ratio.items():
+            if name not in dof.joints:
+                yield (
+                    f"dofs: {dof.name!r} has a ratio of the joint {name!r}, which it does not "
+                    f"move; choose one of {', '.join(dof.joints)}"
+                )
+            elif ratio == 0:
+                yield f"dofs: {dof.name!r} has the ratio 0 of {name!r}; give another, or remove it"
+
+
+def check_shapes(robot: Robot) -> None:
+    """Read all meshes, and compare sizes with the description's.
+
+    Raises
+    ------
+    RobotError
+        In one line: the file, the problem and the remedy.
+    """
+    for link in robot.urdf.links.values():
+        for shape in (*link.visuals, *link.collisions):
+            if shape.kind == "mesh":
+                load_shape_mesh(shape)
+    extent = measure_extent(robot.urdf)
+    where = f"{robot.urdf.path}:"
+    if extent is not None and np.ptp(extent, axis=0).max() < MIN_EXTENT:
+        raise RobotError(
+            f"{where} the whole robot is {np.ptp(extent, axis=0).max():g} m long; write lengths in "
+            "metres, and correct the scale of its meshes"
+        )
+    drive = robot.description.drive
+    if drive is None or drive.wheel_radius is None:
+        return
+    try:
+        measured = measure_wheel_radius(robot.urdf, drive.right_wheel)
+    except RobotError:  # a wheel without a shape
+        return
+    if abs(drive.wheel_radius - measured) > 2 * MAX_DIFFERENCE * measured:
+        raise RobotError(
+            f"{robot.description.name}: drive.wheel_radius: is {drive.wheel_radius:g} m, but "
+            f"{robot.urdf.path.name} has a wheel of {measured:.3g} m; write metres, or leave the "
+            "key out to take the URDF's"
+        )
 
 
 def _check_hierarchy(robot: Robot) -> Iterator[str]:
@@ -116,12 +209,15 @@ def _check_start(robot: Robot) -> Iterator[str]:
             )
         elif low > high:
             yield f"start: {name!r} has the range {low:g} to {high:g}; write the lower number first"
-    for joint, (low, high) in zip(robot.joints, robot.start_ranges, strict=True):
-        if low < joint.lower or high > joint.upper:
+    ranges = zip(robot.joints, robot.start_ranges, robot.limits, strict=True)
+    for joint, (low, high), (lower, upper) in ranges:
+        if low < lower - 1e-9 or high > upper + 1e-9:
             default = "" if joint.name in start else " (not listed, so it starts at 0)"
+            if joint.name in robot.followers:
+                default = f" (it follows {robot.followers[joint.name].joint!r})"
             yield (
                 f"start: {joint.name!r} would start from {low:g} to {high:g}{default}, "
-                f"beyond its limits {joint.lower:g} to {joint.upper:g}; set a range within them"
+                f"beyond its limits {lower:g} to {upper:g}; set a range within them"
             )
 
 

@@ -53,6 +53,8 @@ class ControllerParameters(NamedTuple):
     ----------
     dof_of_axis : int64 (axes,)
         Degree of freedom that commands the axis; -1 for those of the base.
+    ratio : float64 (axes,)
+        How far the axis moves for each unit that its degree of freedom moves.
     dof_velocity : float64 (dofs,)
         Velocity that an action of 1 commands, rad/s or m/s.
     wheels : int64 (2,)
@@ -68,6 +70,7 @@ class ControllerParameters(NamedTuple):
     """
 
     dof_of_axis: np.ndarray
+    ratio: np.ndarray
     dof_velocity: np.ndarray
     wheels: np.ndarray
     wheel_radius: float
@@ -114,16 +117,19 @@ def make_controller(robot: Robot) -> tuple[ControllerParameters, np.ndarray]:
     """
     description, dofs = robot.description, robot.description.dofs
     drive = description.drive
-    dof_of_joint = {joint: k for k, dof in enumerate(dofs) for joint in dof.joints}
+    dof_of_joint, ratio_of_joint = robot.dof_of_joint, robot.ratio_of_joint
     dof_velocity = np.array([dof.velocity for dof in dofs])
     wheels = [dof_of_joint[name] for name in robot.wheels]
     dof_of_axis, max_error, max_velocity, forces = [], [], [], []
+    ratio = [1.0] * (3 if drive is not None else 0) + [
+        ratio_of_joint[joint.name] for joint in robot.joints
+    ]
     limits = robot.limits
     if drive is not None:
-        speed = max(dof_velocity[k] for k in wheels) * drive.wheel_radius
+        speed = max(dof_velocity[k] for k in wheels) * robot.wheel_radius
         dof_of_axis = [-1] * 3
         max_error = [MAX_BASE_ERROR, MAX_BASE_ERROR, MAX_HEADING_ERROR]
-        max_velocity = [OVERSPEED * speed, OVERSPEED * speed, OVERSPEED * 2 * speed / drive.track]
+        max_velocity = [OVERSPEED * speed, OVERSPEED * speed, OVERSPEED * 2 * speed / robot.track]
         forces = [drive.force, drive.force, drive.torque]
         limits = np.concatenate([np.tile((-math.inf, math.inf), (3, 1)), limits])
     for joint in robot.joints:
@@ -131,14 +137,15 @@ def make_controller(robot: Robot) -> tuple[ControllerParameters, np.ndarray]:
         default_force = description.lift_force if prismatic else description.arm_force
         dof_of_axis.append(dof_of_joint[joint.name])
         max_error.append(MAX_PRISMATIC_ERROR if prismatic else MAX_REVOLUTE_ERROR)
-        max_velocity.append(OVERSPEED * dof.velocity)
+        max_velocity.append(OVERSPEED * dof.velocity * abs(ratio_of_joint[joint.name]))
         forces.append(dof.force or default_force)
     parameters = ControllerParameters(
         dof_of_axis=np.array(dof_of_axis, np.int64),
+        ratio=np.array(ratio, np.float64),
         dof_velocity=dof_velocity,
         wheels=np.array(wheels or [-1, -1], np.int64),
-        wheel_radius=drive.wheel_radius if drive else 0.0,
-        track=drive.track if drive else 1.0,
+        wheel_radius=robot.wheel_radius if drive else 0.0,
+        track=robot.track if drive else 1.0,
         low=np.ascontiguousarray(limits[:, 0]),
         high=np.ascontiguousarray(limits[:, 1]),
         max_tracking_error=np.array(max_error),
@@ -202,7 +209,7 @@ def advance(
         # A target that had to wait continues from where it waited: what is blocked is lost.
         start = min(max(state.target[i], measured[i] - max_error), measured[i] + max_error)
         if parameters.dof_of_axis[i] >= 0:
-            step = _ramp_velocity(state, parameters.dof_of_axis[i], ramp) * DT
+            step = _ramp_velocity(state, parameters.dof_of_axis[i], ramp) * DT * parameters.ratio[i]
         else:
             step = _arc(i, speed * DT, turn_rate * DT, state.target[2] if i < 2 else 0.0)
         low, high = parameters.low[i], parameters.high[i]

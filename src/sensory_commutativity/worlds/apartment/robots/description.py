@@ -21,7 +21,14 @@ class DofDescription(Section):
 
     name: Name = Field(description="Name in tables and figures.")
     joints: list[str] = Field(
-        min_length=1, description="Joints of the URDF that move together, all by the same amount."
+        min_length=1,
+        description="Joints of the URDF that move together. Joints that mimic one of them follow "
+        "it, listed or not.",
+    )
+    ratio: dict[str, float] = Field(
+        default_factory=dict,
+        description="How far joints move for each unit that the degree of freedom moves; default: "
+        "1, or the multiplier of <mimic>.",
     )
     unit: Literal["rad", "m"] = Field(
         description="rad for revolute joints, m for prismatic ones; must match the URDF."
@@ -45,8 +52,18 @@ class DriveDescription(Section):
 
     right_wheel: str = Field(description="Joint of the right wheel (at negative y).")
     left_wheel: str = Field(description="Joint of the left wheel.")
-    wheel_radius: float = Field(gt=0, description="Metres.")
-    track: float = Field(gt=0, description="Distance between the wheels, metres.")
+    wheel_radius: float | None = Field(
+        None, gt=0, description="Metres; default: that of the wheel's shape in the URDF."
+    )
+    track: float | None = Field(
+        None, gt=0,
+        description="Distance between the wheels, metres; default: that of the URDF.",
+    )  # fmt: skip
+    axle: float | None = Field(
+        None,
+        description="Where the robot turns, along the x axis of the root link, metres; default: "
+        "the middle of the two wheels. For robots with four wheels: the middle of all.",
+    )
     # Measured: these follow a ramp to 1 m/s, and to 6 rad/s, with a robot of 115 kg.
     force: float = Field(1500.0, gt=0, description="Maximum force on the base, N.")
     torque: float = Field(700.0, gt=0, description="Maximum torque on the base, Nm.")

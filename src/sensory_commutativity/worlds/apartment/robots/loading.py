@@ -11,10 +11,11 @@ from pydantic import ValidationError
 from ....errors import ConfigError
 from ....storage.settings_errors import check_json_value, explain
 from ....storage.yamlfile import read_yaml
+from ..files import FileError, locate
 from .checks import find_problems
 from .description import RobotDescription
 from .robot import Robot
-from .urdf import RobotError, find_file
+from .urdf import RobotError
 from .urdf_reader import read_urdf
 
 
@@ -60,12 +61,13 @@ def parse_robot(settings: Any, folder: Path, where: str) -> Robot:
     except ValidationError as error:
         message = explain(error, RobotDescription).removeprefix("config: ")
         raise RobotError(f"{where}: {message}") from None
-    path = find_file(description.urdf, folder)
-    if path is None:
+    try:
+        path = locate(description.urdf, folder)
+    except FileError as error:
         raise RobotError(
-            f"{where}: urdf: there is no file {description.urdf!r}; "
+            f"{where}: urdf: there is no file {description.urdf!r}: it {error}; "
             f"give a path relative to {folder}, or package://NAME/PATH"
-        )
+        ) from None
     return _check(Robot(description, read_urdf(path)), where)
 
 

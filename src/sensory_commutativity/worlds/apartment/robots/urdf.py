@@ -1,12 +1,13 @@
-"""The contents of a URDF file: links, joints and shapes, and where their meshes are.
+"""The contents of a URDF file: links, joints and shapes.
 
 :mod:`.urdf_reader` reads the files.
 """
 
 from __future__ import annotations
 
-import importlib.util
+import math
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
@@ -15,11 +16,8 @@ import numpy as np
 from ....errors import UserError
 from ..scenes.scene import Vector
 
-MESH_FORMATS = (".stl", ".obj", ".dae", ".ply", ".glb", ".gltf", ".off")
-"""Mesh formats of robots that trimesh reads without optional packages."""
-
 JointKind = Literal["revolute", "continuous", "prismatic", "fixed"]
-ShapeKind = Literal["box", "cylinder", "sphere", "mesh"]
+ShapeKind = Literal["box", "cylinder", "capsule", "sphere", "mesh"]
 
 
 class RobotError(UserError):
@@ -32,16 +30,18 @@ class Shape:
 
     Attributes
     ----------
-    kind : {"box", "cylinder", "sphere", "mesh"}
+    kind : {"box", "cylinder", "capsule", "sphere", "mesh"}
     size : tuple of float
-        Metres: (half x, half y, half z) of a box, (radius, half height) of a cylinder along z,
-        (radius,) of a sphere; of a mesh its scale factors (x, y, z).
+        Metres: (half x, half y, half z) of a box, (radius, half height) of a cylinder along z, or
+        of a capsule without its caps, (radius,) of a sphere; of a mesh its scale factors (x, y, z).
     frame : float64 (4, 4)
         Pose in the link's frame.
     path : Path, optional
         File of a mesh.
     colour : (float, float, float), optional
         Red, green and blue in [0, 1].
+    texture : Path, optional
+        Picture that the URDF gives in place of a colour.
     """
 
     kind: ShapeKind
@@ -49,6 +49,7 @@ class Shape:
     frame: np.ndarray
     path: Path | None = None
     colour: Vector | None = None
+    texture: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,15 @@ class Link:
 
 
 @dataclass(frozen=True)
+class Mimic:
+    """A joint's position is `multiplier` times that of `joint`, plus `offset` (rad or m)."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
 class Joint:
     """A joint between two links.
 
@@ -91,6 +101,12 @@ class Joint:
         Unit vector in the child's frame.
     lower, upper : float
         Limits, rad or m; infinite without stops.
+    velocity : float
+        Maximum velocity, rad/s or m/s; NaN if the URDF gives none.
+    mimic : Mimic, optional
+        The joint that it follows.
+    floats : bool
+        Whether the URDF calls it floating: it is simulated as fixed.
     """
 
     name: str
@@ -101,60 +117,62 @@ class Joint:
     axis: np.ndarray
     lower: float
     upper: float
+    velocity: float = math.nan
+    mimic: Mimic | None = None
+    floats: bool = False
 
 
 @dataclass(frozen=True)
 class Urdf:
-    """The contents of a URDF file: a tree of links."""
+    """The contents of a URDF file: a tree of links.
+
+    Attributes
+    ----------
+    path : Path
+    root : str
+        Name of the link without a parent.
+    links, joints : dict
+        By name, in the order of the file.
+    notes : tuple of str
+        What of the file is not simulated as it says, for people.
+    name : str
+        Of the robot.
+    """
 
     path: Path
     root: str
     links: dict[str, Link]
     joints: dict[str, Joint]
+    notes: tuple[str, ...] = ()
+    name: str = ""
 
     @property
     def files(self) -> list[Path]:
-        """The URDF file and all meshes it refers to."""
-        meshes = {
-            shape.path
+        """The URDF file, all meshes it refers to, and the pictures on its links."""
+        named = {
+            path
             for link in self.links.values()
             for shape in (*link.visuals, *link.collisions)
-            if shape.path
+            for path in (shape.path, shape.texture)
+            if path
         }
-        return [self.path, *sorted(meshes)]
+        return [self.path, *sorted(named)]
 
     def joints_below(self, link: str) -> list[Joint]:
         """Return the joints whose parent is `link`, in the order of the file."""
-        return [joint for joint in self.joints.values() if joint.parent == link]
+        return self._below.get(link, [])
 
+    def joint_above(self, link: str) -> Joint | None:
+        """Return the joint whose child is `link`; None for the root."""
+        return self._above.get(link)
 
-def find_file(name: str, folder: Path) -> Path | None:
-    """Return the path of the file that a URDF in `folder` calls `name`, or None.
+    @cached_property
+    def _below(self) -> dict[str, list[Joint]]:
+        below: dict[str, list[Joint]] = {}
+        for joint in self.joints.values():
+            below.setdefault(joint.parent, []).append(joint)
+        return below
 
-    ``package://NAME/REST`` is searched for in a folder NAME that is inside `folder` or one of its
-    ancestors, or is one of them, and then in the installed Python package NAME.
-    """
-    if name.startswith("package://"):
-        package, _, rest = name.removeprefix("package://").partition("/")
-        ancestors = [folder, *folder.parents]
-        candidates = [
-            *(ancestor / package / rest for ancestor in ancestors),
-            *(ancestor / rest for ancestor in ancestors if ancestor.name == package),
-            *(location / rest for location in _find_package(package)),
-        ]
-    else:
-        candidates = [folder / name.removeprefix("file://")]
-    try:
-        return next((candidate for candidate in candidates if candidate.is_file()), None)
-    except OSError:  # the name is too long for a file
-        return None
-
-
-def _find_package(package: str) -> list[Path]:
-    """Return the folders of an installed Python package without importing it."""
-    try:
-        spec = importlib.util.find_spec(package) if package.isidentifier() else None
-    except ValueError:  # __main__
-        return []
-    locations = spec.submodule_search_locations if spec else None
-    return [Path(location) for location in locations or []]
+    @cached_property
+    def _above(self) -> dict[str, Joint]:
+        return {joint.child: joint for joint in self.joints.values()}

@@ -1,12 +1,14 @@
 """Build a scene from a user's mesh of rooms, such as a scan or a model, with movable objects.
 
 Scanners and modelling tools write such meshes; Gibson and Matterport distribute them. The mesh is
-both what the camera sees and what the robot touches. The robot stands on the floor of the mesh,
-whose height is estimated unless it is given.
+both what the camera sees and what the robot touches, from both sides of its faces, since their
+orientation is often mixed. The robot stands on the floor of the mesh, whose height is estimated
+unless it is given.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -16,8 +18,8 @@ import numpy as np
 from pydantic import Field
 
 from ....storage.settings import Name, Section
-from ..geometry import load_coloured_mesh
-from ..robots.urdf import MESH_FORMATS
+from ..files import FileError
+from ..meshfiles import MESH_FORMATS, load_coloured_mesh
 from .descriptions import ObjectDescription, Pair, check_unique_names, place_object
 from .scene import Area, Fixture, Mesh, Part, Scene, SceneError, Solid, as_vector
 
@@ -34,9 +36,15 @@ its own floor. Chosen: the unevenness of scans."""
 START_CELL = 0.25
 """Metres: side of the squares of floor in which a robot may start if the scene names no areas;
 chosen: half the width of a robot."""
-COLOUR_LEVELS = 4
+COLOUR_LEVELS = 12
 """Levels of each colour channel that are kept apart; chosen: limits a scan, whose colours vary
-continuously, to 64 parts."""
+continuously, to 1,728 parts, and no colour is changed by more than a twelfth."""
+MAX_SLAB = 0.5
+"""Metres: thickness of a floor at most; chosen: thicker than floors of buildings."""
+EXTENT = 0.5, 200.0
+"""Metres: shortest and longest width of a scene; chosen: a cupboard, and the largest halls."""
+MAX_START_CELLS = 200_000
+"""Chosen: a hall of 100 m by 125 m."""
 GREY = (0.75, 0.74, 0.72)
 
 
@@ -62,6 +70,9 @@ class MeshScene(Section):
     floor: float | None = Field(
         None,
         description="Height of the floor in metres. Default: the lowest large level surface.",
+    )
+    colours: bool = Field(
+        True, description="Whether to show the colours of the file; false shows all in grey."
     )
     areas: list[StartArea] = Field(
         default_factory=list,
@@ -96,6 +107,7 @@ def build_mesh_scene(settings: MeshScene, path: Path) -> Scene:
     vertices = mesh.vertices * settings.scale
     if settings.up == "y":
         vertices = np.stack([vertices[:, 0], -vertices[:, 2], vertices[:, 1]], 1)
+    _check_extent(vertices[np.unique(mesh.faces)], settings, source)
     floor = find_floor_height(vertices, mesh.faces) if settings.floor is None else settings.floor
     if floor is None:
         raise SceneError(
@@ -130,11 +142,34 @@ def _read_mesh(settings: MeshScene, path: Path) -> tuple[Mesh, np.ndarray | None
             f"{key} {settings.mesh!r}; formats that can be read are {', '.join(MESH_FORMATS)}"
         )
     try:
-        return load_coloured_mesh(file)
-    except Exception as error:  # the readers of mesh formats raise almost anything
+        mesh, colours, missing = load_coloured_mesh(file)
+    except FileError as error:
+        raise SceneError(f"{key} {settings.mesh!r} {error}") from None
+    if missing and settings.colours:
+        name, problem = next(iter(missing.items()))
+        more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
         raise SceneError(
-            f"{key} {settings.mesh!r} cannot be read ({error}); convert it to OBJ, PLY, GLB or STL"
-        ) from None
+            f"{key} {settings.mesh!r} takes its colours from {name!r}, which {problem}{more}; or "
+            "write colours: false to see the scene in grey"
+        )
+    return mesh, colours if settings.colours else None
+
+
+def _check_extent(vertices: np.ndarray, settings: MeshScene, source: str) -> None:
+    """Refuse a scene whose size makes no sense; `vertices` are in metres, z up."""
+    width = float(np.ptp(vertices[:, :2], axis=0).max())
+    shortest, longest = EXTENT
+    if shortest <= width <= longest:
+        return
+    guesses = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "kilometres": 1000.0}
+    unit = next(
+        (name for name, factor in guesses.items() if 2 <= width * factor <= 60), "another unit"
+    )
+    remedy = f"set scale to {settings.scale * guesses[unit]:g}" if unit in guesses else "set scale"
+    raise SceneError(
+        f"{source}: scale: {settings.mesh!r} is {width:g} m wide with scale {settings.scale:g}; a "
+        f"scene has {shortest:g} to {longest:g} m: if it is in {unit}, {remedy}"
+    )
 
 
 # ---- floor ---------------------------------------------------------------------------------------
@@ -156,13 +191,16 @@ def find_floor_height(vertices: np.ndarray, faces: np.ndarray) -> float | None:
     """
     corners, normals = _compute_normals(vertices, faces)
     areas = np.linalg.norm(normals, axis=1) / 2
-    # Prefer faces that look up; fall back to any, since the faces of scans may be flipped.
-    for vertical in (normals[:, 2], np.abs(normals[:, 2])):
-        level = vertical > MIN_LEVEL_COSINE * 2 * areas
-        height = _find_lowest_surface(corners[level, :, 2].mean(1), areas[level])
-        if height is not None:
-            return height
-    return None
+    level = np.abs(normals[:, 2]) > MIN_LEVEL_COSINE * 2 * areas
+    heights, sizes, up = corners[level, :, 2].mean(1), areas[level], normals[level, 2] > 0
+    lowest = _find_lowest_surface(heights, sizes)
+    if lowest is None:
+        return None
+    # The lowest surface may be the underside of a slab, which has the floor on top. Faces of scans
+    # look anywhere, so only a surface that looks up and is about as large is taken for it.
+    above = up & (heights > lowest[0] - HEIGHT_BIN) & (heights < lowest[0] + MAX_SLAB)
+    top = _find_lowest_surface(heights[above], sizes[above], lowest[1] / 2)
+    return lowest[0] if top is None else top[0]
 
 
 def find_floor_areas(mesh: Mesh) -> Iterator[Area]:
@@ -181,11 +219,12 @@ def find_floor_areas(mesh: Mesh) -> Iterator[Area]:
         yield Area("everywhere", (left, right), (bottom, top))
         return
     low, high = triangles.min((0, 1)), triangles.max((0, 1))
-    x_centres, y_centres = (np.arange(low[k] + START_CELL / 2, high[k], START_CELL) for k in (0, 1))
+    cell = max(START_CELL, math.sqrt(float(np.prod(high - low)) / MAX_START_CELLS))
+    x_centres, y_centres = (np.arange(low[k] + cell / 2, high[k], cell) for k in (0, 1))
     covered = np.zeros((len(x_centres), len(y_centres)), bool)
     for triangle in triangles:
         _cover(covered, x_centres, y_centres, triangle)
-    half = START_CELL / 2
+    half = cell / 2
     for i, j in zip(*np.nonzero(covered), strict=True):
         x, y = x_centres[i], y_centres[j]
         yield Area("floor", (float(x - half), float(x + half)), (float(y - half), float(y + half)))
@@ -195,20 +234,18 @@ def _cover(
     covered: np.ndarray, x_centres: np.ndarray, y_centres: np.ndarray, triangle: np.ndarray
 ) -> None:
     """Set the cells of a grid, bool (nx, ny), whose centres are in a triangle, float64 (3, 2)."""
-    a, b, c = triangle
+    a, b, c = triangle.tolist()
     (left, bottom), (right, top) = triangle.min(0), triangle.max(0)
-    i = (x_centres >= left) & (x_centres <= right)
-    j = (y_centres >= bottom) & (y_centres <= top)
-    if not (i.any() and j.any()):
+    i = slice(x_centres.searchsorted(left), x_centres.searchsorted(right, "right"))
+    j = slice(y_centres.searchsorted(bottom), y_centres.searchsorted(top, "right"))
+    x, y = x_centres[i, None], y_centres[None, j]
+    if not (x.size and y.size):
         return
-    x, y = np.meshgrid(x_centres[i], y_centres[j], indexing="ij")
-    sides = np.stack(
-        [
-            (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
-            for p, q in ((a, b), (b, c), (c, a))
-        ]
+    first, second, third = (
+        (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]) for p, q in ((a, b), (b, c), (c, a))
     )
-    covered[np.ix_(i, j)] |= (sides >= 0).all(0) | (sides <= 0).all(0)
+    covered[i, j] |= (first >= 0) & (second >= 0) & (third >= 0)
+    covered[i, j] |= (first <= 0) & (second <= 0) & (third <= 0)
 
 
 def _compute_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -217,13 +254,19 @@ def _compute_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarra
     return corners, np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
-def _find_lowest_surface(heights: np.ndarray, areas: np.ndarray) -> float | None:
-    """Mean height of the lowest bin with enough area of level faces."""
-    bins = np.floor(heights / HEIGHT_BIN).astype(np.int64)
-    for k in np.unique(bins):
-        near = np.abs(heights - (k + 0.5) * HEIGHT_BIN) <= HEIGHT_BIN
-        if areas[near].sum() >= MIN_FLOOR_AREA:
-            return float(np.average(heights[near], weights=areas[near]))
+def _find_lowest_surface(
+    heights: np.ndarray, areas: np.ndarray, min_area: float = MIN_FLOOR_AREA
+) -> tuple[float, float] | None:
+    """Mean height and area of the lowest bin with enough area of level faces."""
+    order = np.argsort(heights, kind="stable")
+    heights, areas = heights[order], areas[order]
+    total = np.concatenate([[0.0], np.cumsum(areas)])
+    for k in np.unique(np.floor(heights / HEIGHT_BIN).astype(np.int64)):
+        middle = (k + 0.5) * HEIGHT_BIN
+        first, last = np.searchsorted(heights, (middle - HEIGHT_BIN, middle + HEIGHT_BIN))
+        if total[last] - total[first] >= max(min_area, MIN_FLOOR_AREA):
+            near = slice(first, last)
+            return float(np.average(heights[near], weights=areas[near])), float(areas[near].sum())
     return None
 
 
@@ -241,14 +284,15 @@ def _build_solid(mesh: Mesh, height: float) -> Solid | None:
 def _split_by_colour(mesh: Mesh, colours: np.ndarray | None) -> list[Part]:
     """Split a mesh into parts of similar colour; `colours` is float64 (m, 3) in [0, 1]."""
     if colours is None:
-        return [Part(mesh, GREY, "plaster")]
+        return [Part(mesh, GREY, "plaster", two_sided=True)]
     levels = np.minimum((colours * COLOUR_LEVELS).astype(np.int64), COLOUR_LEVELS - 1)
     bins = levels @ (COLOUR_LEVELS * COLOUR_LEVELS, COLOUR_LEVELS, 1)
+    order = np.argsort(bins, kind="stable")
     parts = []
-    for k in np.unique(bins):
-        chosen = bins == k
+    for chosen in np.split(order, np.flatnonzero(np.diff(bins[order])) + 1):
         colour = as_vector(float(c) for c in colours[chosen].mean(0))
         used, faces = np.unique(mesh.faces[chosen], return_inverse=True)
         faces = faces.reshape(-1, 3).astype(np.int32)
-        parts.append(Part(Mesh(mesh.vertices[used], faces, mesh.uv[chosen]), colour, "plaster"))
+        part = Mesh(mesh.vertices[used], faces, mesh.uv[chosen])
+        parts.append(Part(part, colour, two_sided=True))
     return parts

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -38,7 +39,7 @@ class Mesh:
         Metres.
     faces : int32 (m, 3)
         Vertex indices of each triangle, counter-clockwise seen from outside. Back faces are not
-        drawn.
+        drawn, unless the part has two sides.
     uv : float32 (m, 3, 2)
         Texture coordinates of the corners of each triangle. Textures repeat with period 1.
     """
@@ -55,6 +56,7 @@ class Part:
     mesh: Mesh
     colour: Vector  # red, green, blue in [0, 1]
     texture: str = ""  # a name in textures.TEXTURES, or empty for a plain colour
+    two_sided: bool = False  # whether faces are seen from behind, too
 
 
 @dataclass(frozen=True)
@@ -124,6 +126,12 @@ class Scene:
     movables: tuple[Movable, ...]
     areas: tuple[Area, ...]
     solid_floor: bool = True  # whether a ground plane at z = 0 supports the objects
+
+    @cached_property
+    def area_shares(self) -> np.ndarray:
+        """Size of each area as a share of all: float64 (areas,)."""
+        sizes = [(area.x[1] - area.x[0]) * (area.y[1] - area.y[0]) for area in self.areas]
+        return np.array(sizes) / np.sum(sizes)
 
 
 def as_vector(values: Iterable[float]) -> Vector:
