@@ -29,6 +29,7 @@ _MODULES = {
     "scp.estimate": ("commutes", "estimate_scp"),
     "adapters": ("as_world",),
     "adapters.gymnasium": ("GymnasiumWorld", "from_gymnasium"),
+    "adapters.noise": ("NoisyWorld",),
     "adapters.registry": ("make_environment",),
     "adapters.snapshots": ("Exactness", "ExactSnapshot", "choose_snapshots", "measure_exactness"),
     "worlds.catalog": ("make_apartment", "make_world"),

@@ -94,6 +94,8 @@ def play_trial(
     permuted: np.ndarray,
     rest_steps: int = REST_STEPS,
     observe: Callable[[], Any] | None = None,
+    after_return: Callable[[], None] | None = None,
+    come_back: bool = True,
 ) -> Legs:
     """Play one trial of the return protocol from where the world is.
 
@@ -108,6 +110,11 @@ def play_trial(
         when it is still.
     observe : callable, optional
         What to record; by default ``world.observe``.
+    after_return : callable, optional
+        Is called after the first and the second return, before the view is recorded; may bring the
+        robot nearer to where it started.
+    come_back : bool
+        Whether to return at the end of the trial, too.
 
     Raises
     ------
@@ -118,10 +125,17 @@ def play_trial(
         check_sequence(actions, len(world.dofs))
     observe = observe or world.observe
     views = [observe()]
-    for actions in (sequence, inverse(sequence), permuted, inverse(permuted), permuted):
+    for actions in (sequence, permuted):
         play_and_rest(world, actions, rest_steps)
         views.append(observe())
-    play_and_rest(world, inverse(permuted), rest_steps)
+        play_and_rest(world, inverse(actions), rest_steps)
+        if after_return is not None:
+            after_return()
+        views.append(observe())
+    play_and_rest(world, permuted, rest_steps)
+    views.append(observe())
+    if come_back:
+        play_and_rest(world, inverse(permuted), rest_steps)
     return Legs(*views)
 
 

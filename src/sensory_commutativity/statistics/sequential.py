@@ -56,8 +56,9 @@ def log_capital_of_tie(
         Units in which only one, and in which both or none, were true.
     margin : float in (0, 1)
     """
-    first, second = _bet(only_first, only_second, equal, margin), _bet(
-        only_second, only_first, equal, margin
+    first, second = (
+        _bet(only_first, only_second, equal, margin),
+        _bet(only_second, only_first, equal, margin),
     )
     return np.minimum(first, second)
 

@@ -74,12 +74,8 @@ class Config(Section):
         for world in worlds:
             check_defined(world, flatland.worlds, "reset_free", "flatland.worlds")
         for run in settings.apartment.values():
-            check_defined(
-                run.robot, apartment.robots, "reset_free.apartment", "apartment.robots"
-            )
-            check_defined(
-                run.scene, apartment.scenes, "reset_free.apartment", "apartment.scenes"
-            )
+            check_defined(run.robot, apartment.robots, "reset_free.apartment", "apartment.robots")
+            check_defined(run.scene, apartment.scenes, "reset_free.apartment", "apartment.scenes")
         return self
 
     @model_validator(mode="after")

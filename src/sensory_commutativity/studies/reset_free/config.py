@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, model_validator
 
 from ...storage.settings import NO_EFFECT, Name, Section
 
-Experiments = Annotated[int, Field(ge=4, le=1_000_000)]
+Experiments = Annotated[int, Field(ge=2, le=1_000_000)]
 Level = Annotated[float, Field(gt=0)]
 
 
@@ -107,6 +107,11 @@ class ResetFreeConfig(Section):
         1000, ge=1, le=1_000_000, description="Lives in a job; changes no result.",
         json_schema_extra=NO_EFFECT,
     )  # fmt: skip
+    experiments_per_job: int = Field(
+        25, ge=1, le=1_000_000,
+        description="Start situations in apartments in a job; changes no result.",
+        json_schema_extra=NO_EFFECT,
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _check_names(self) -> ResetFreeConfig:
@@ -120,6 +125,3 @@ class ResetFreeConfig(Section):
                 f"thresholds {self.thresholds} must hold 0.0, the paper's, and no number twice"
             )
         return self
-
-
-Protocol = Literal["reset", "return", "control", "start-seen-again"]
