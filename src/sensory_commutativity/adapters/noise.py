@@ -14,9 +14,9 @@ from ..scp.world import Dof, Observation, Resting, SequenceLimiter, Snapshot, Wo
 class NoisyWorld:
     """Another world, with Gaussian noise of a standard deviation of one's choice.
 
-    It breaks the promise that a replay is the same, on purpose: a restore restores the world within,
-    not the noise. :func:`.measure` takes it with ``check=False``, or without a restore, with
-    ``protocol="return"``.
+    It breaks the promise that a replay is the same, on purpose: a restore restores the world
+    within, not the noise. :func:`.measure` takes it with ``check=False``, or without a restore,
+    with ``protocol="return"``.
 
     Parameters
     ----------

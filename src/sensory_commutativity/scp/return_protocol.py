@@ -29,7 +29,7 @@ from ..seeding import generator
 from .distances import Distance
 from .experiment import REST_STEPS, orders_of_dof, play_and_rest
 from .sequences import check_sequence, inverse
-from .world import InverseReporter, SequenceLimiter, SteppableWorld
+from .world import InverseReporter, SequenceLimiter, SteppableWorld, World
 
 HOLD = 10
 """Steps for which an action is held on the way to the next trial. Chosen: as in starts of Gymnasium
@@ -196,11 +196,11 @@ def trials_per_dof(
     dofs : collection of str, optional
         Those to try; by default all.
     """
-    limits = isinstance(world, SequenceLimiter)
     for k, dof in enumerate(world.dofs):
         if dofs is None or dof.name in dofs:
             # What is left to the stops depends on where the last trial ended.
-            start = world.snapshot() if limits else None
+            limited = isinstance(world, World) and isinstance(world, SequenceLimiter)
+            start = world.snapshot() if limited else None
             sequence, permuted = orders_of_dof(world, seed, length, k, start)
             legs = play_trial(world, sequence, permuted, rest_steps)
             yield dof.name, compare_legs(legs, distance)

@@ -8,9 +8,7 @@ WORLD = Column("world", TEXT, "", "a key of reset_free.flatland or reset_free.ap
 DOF = Column("dof", TEXT, "", "degree of freedom", key=True)
 EXPERIMENT = Column("experiment", INT, "1", "number of the trial", key=True)
 DISTANCES = (
-    Column(
-        "reset", FLOAT, "1", "distance of the two orders, each from a restored start: the truth"
-    ),
+    Column("reset", FLOAT, "1", "distance of the two orders, each from a restored start: truth"),
     Column("distance", FLOAT, "1", "distance of the two orders, with a return between them"),
     Column("control", FLOAT, "1", "distance of the second order and the same played again"),
     Column("returned", FLOAT, "1", "distance of the views of the start before and after a return"),

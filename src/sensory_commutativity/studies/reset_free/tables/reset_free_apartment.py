@@ -15,7 +15,7 @@ import pandas as pd
 from ....scp.experiment import orders_of_dof, play_order
 from ....scp.return_protocol import play_trial
 from ....seeding import generator, seed_for
-from ....storage.columns import FLOAT, INT, Column
+from ....storage.columns import FLOAT, Column
 from ...apartment.builders import (
     apartment_world,
     perceptual_features,

@@ -4,6 +4,7 @@ different degrees of freedom in the order of the paper?"""
 from __future__ import annotations
 
 import math
+from itertools import chain
 
 import pandas as pd
 
@@ -11,7 +12,7 @@ from ....scp.estimate import commutes
 from ....storage.columns import FLOAT, INT, P_VALUES, TEXT, Column
 from ...config import Config
 from ...declarations import table
-from ...flatland.hierarchy import STEPS
+from ...flatland.hierarchy import HIERARCHY
 from ..columns import WORLD
 
 COLUMNS = ["test", "lower", "higher", "n", "lower_value", "higher_value", "p"]
@@ -44,7 +45,7 @@ def test_trials(trials: pd.DataFrame, threshold: float) -> pd.DataFrame:
     for dof, (found, control) in decided.items():
         p = mcnemar(found, control).p
         effects.append((ORDER_EFFECT, dof, "control", len(found), found.mean(), control.mean(), p))
-    for lower, higher in STEPS:
+    for lower, higher in chain.from_iterable(HIERARCHY.values()):
         if lower in decided and higher in decided:
             a, b = decided[lower], decided[higher]
             values = [x.mean() / y.mean() if y.any() else math.nan for x, y in (a, b)]

@@ -27,7 +27,8 @@ PROTOCOL = Column(
         PROTOCOL,
         Column(
             "threshold", FLOAT, "1",
-            "largest distance that counts as equal, squared 8-bit colour or VGG16 feature", key=True,
+            "largest distance that counts as equal, squared 8-bit colour or VGG16 feature",
+            key=True,
         ),
         Column("n", INT, "1", "trials"),
         Column("scp", FLOAT, "1", "share of trials whose views are equal"),
