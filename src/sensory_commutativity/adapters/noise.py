@@ -43,16 +43,13 @@ class NoisyWorld:
             if isinstance(value, bool) or not np.isfinite(value) or value < 0:
                 raise ArgumentError(f"{name}: expected a number of at least 0, got {value!r}")
         self.world = world
+        self.dofs: tuple[Dof, ...] = world.dofs
         self.sensor, self.actuator, self.offset = float(sensor), float(actuator), float(reset)
         self._rng = np.random.default_rng(0)
         if isinstance(world, Resting):
             self.rest: Callable[[int], None] = world.rest
         if isinstance(world, SequenceLimiter):
             self.limit: Callable[[Snapshot, np.ndarray], np.ndarray] = world.limit
-
-    @property
-    def dofs(self) -> tuple[Dof, ...]:
-        return self.world.dofs
 
     @property
     def name(self) -> str:

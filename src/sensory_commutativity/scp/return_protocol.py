@@ -199,8 +199,9 @@ def trials_per_dof(
     for k, dof in enumerate(world.dofs):
         if dofs is None or dof.name in dofs:
             # What is left to the stops depends on where the last trial ended.
-            limited = isinstance(world, World) and isinstance(world, SequenceLimiter)
-            start = world.snapshot() if limited else None
+            start = None
+            if isinstance(world, SequenceLimiter) and isinstance(world, World):
+                start = world.snapshot()
             sequence, permuted = orders_of_dof(world, seed, length, k, start)
             legs = play_trial(world, sequence, permuted, rest_steps)
             yield dof.name, compare_legs(legs, distance)

@@ -9,8 +9,12 @@ Two questions are asked of every pair. *Which is lower?* If the proportions are 
 unit is of either kind with probability one half; the capital is that of a bet on the other
 probabilities, mixed uniformly. *Are they tied?* The difference is bounded by bets against at least
 the margin, mixed over a few stakes (Waudby-Smith and Ramdas 2024,
-https://arxiv.org/abs/2010.09686). Each question has half of the level, and Holm's correction for
-the number of pairs; with p-values that hold at any time it holds at any time, too.
+https://arxiv.org/abs/2010.09686).
+
+The level is divided by the number of pairs, and of a pair's share ORDER_SHARE is for its order: if
+the proportions are equal, any order is wrong. If they differ, only one of the two is, which is at
+most half as likely, and the rest is left for a tie that is none. Holm's correction would not be
+valid here, since a pair that is said to be in an order may still be so in the wrong direction.
 """
 
 from __future__ import annotations
@@ -21,9 +25,11 @@ import numpy as np
 
 LOWER, HIGHER, TIED, UNDECIDED = -1, 1, 2, 0
 """What is known of the first of a pair."""
-STAKES = np.array([0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 0.95])
-"""Stakes of the bets against a difference, as a share of the largest. Chosen: for differences from
-hundredths to one."""
+STAKES = np.array([0.15, 0.4, 0.95])
+"""Stakes of the bets against a difference, as a share of the largest. Chosen: the best stake is the
+margin over the share of discordant units."""
+ORDER_SHARE = 0.5
+"""Share of a pair's level for its order; 1 - ORDER_SHARE / 2 is for a tie. Chosen."""
 
 
 def log_capital_of_order(only_first: np.ndarray, only_second: np.ndarray) -> np.ndarray:
@@ -80,18 +86,9 @@ def _log_factorials(n: int) -> np.ndarray:
     return np.concatenate([[0.0], np.cumsum(np.log(np.arange(1, n + 1)))])
 
 
-def _holm_rejects(log_capital: np.ndarray, log_level: float) -> np.ndarray:
-    """Which hypotheses Holm's procedure rejects: bool (runs, pairs).
-
-    The p-value of a hypothesis is 1 / capital.
-    """
-    pairs = log_capital.shape[1]
-    order = np.argsort(-log_capital, axis=1)
-    ranked = np.take_along_axis(log_capital, order, axis=1)
-    passes = ranked >= np.log(np.arange(pairs, 0, -1)) - log_level
-    rejected = np.zeros_like(passes)
-    np.put_along_axis(rejected, order, np.logical_and.accumulate(passes, axis=1), axis=1)
-    return rejected
+def pair_levels(alpha: float, pairs: int) -> tuple[float, float]:
+    """Levels at which each pair is tested for its order, and for a tie."""
+    return ORDER_SHARE * alpha / max(pairs, 1), (1 - ORDER_SHARE / 2) * alpha / max(pairs, 1)
 
 
 class SequentialOrder:
@@ -124,6 +121,7 @@ class SequentialOrder:
         self.alpha, self.margin = alpha, margin
         self.pairs = list(combinations(range(items), 2))
         self._first, self._second = np.array(self.pairs, int).reshape(-1, 2).T
+        self._levels = pair_levels(alpha, len(self.pairs))
         shape = (runs, len(self.pairs))
         self._only_first, self._only_second, self._equal = np.zeros((3, *shape), np.int64)
         self._order, self._tie = np.full((2, *shape), -np.inf)
@@ -165,8 +163,7 @@ class SequentialOrder:
         self._order = np.maximum(self._order, order)
         tie = log_capital_of_tie(x, y, self._equal, self.margin)
         self._tie = np.maximum(self._tie, tie)
-        level = np.log(self.alpha / 2)
-        new = _holm_rejects(self._order, level) & (self.relations == UNDECIDED)
+        undecided = self.relations == UNDECIDED
+        new = undecided & (self._order >= -np.log(self._levels[0]))
         self.relations[new] = self._lead[new]
-        new = _holm_rejects(self._tie, level) & (self.relations == UNDECIDED)
-        self.relations[new] = TIED
+        self.relations[undecided & ~new & (self._tie >= -np.log(self._levels[1]))] = TIED

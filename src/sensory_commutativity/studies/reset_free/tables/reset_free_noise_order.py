@@ -67,8 +67,8 @@ def experiments_needed(commuted: pd.DataFrame) -> float:
         Column("steps_found", INT, "1", "how many of them differ as they should, p < .01 (Holm)"),
         Column(
             "needed", FLOAT, "1",
-            "experiments with which all are found with a power of .9; infinite if one has the wrong "
-            "sign",
+            "experiments with which all are found with a power of .9; infinite if one has the "
+            "wrong sign",
         ),
     ),
     inputs=["reset_free_noise_experiments"],
