@@ -97,6 +97,10 @@ class DirectControl:
         """Actions of 1 that lead to the lower and to the upper stop; infinite if not known."""
         return np.full(self.n, np.inf), np.full(self.n, np.inf)
 
+    def has_inverse(self) -> np.ndarray:
+        """For which actions the opposite action leads back: bool (n,)."""
+        return np.zeros(self.n, bool)
+
     def _own(self, values: np.ndarray) -> np.ndarray:
         own = values.reshape(self._shape).astype(self._dtype)
         return np.clip(own, self.low.reshape(self._shape), self.high.reshape(self._shape)).astype(
@@ -119,6 +123,9 @@ class IncrementControl(DirectControl):
 
     def room(self) -> tuple[np.ndarray, np.ndarray]:
         return (self.state + 1) / SPEED, (1 - self.state) / SPEED
+
+    def has_inverse(self) -> np.ndarray:
+        return np.ones(self.n, bool)
 
 
 class ServoControl(DirectControl):
@@ -186,6 +193,11 @@ class ServoControl(DirectControl):
         down[self.motors] = (self.state - self._stops[:, 0]) / SPEED
         up[self.motors] = (self._stops[:, 1] - self.state) / SPEED
         return np.maximum(down, 0), np.maximum(up, 0)
+
+    def has_inverse(self) -> np.ndarray:
+        known = np.zeros(self.n, bool)
+        known[self.motors] = True
+        return known
 
 
 CONTROLS: dict[str, type[DirectControl]] = {

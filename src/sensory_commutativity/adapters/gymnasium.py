@@ -20,7 +20,7 @@ from .control import check_action_space, choose_control, restore_actuators
 from .player import Played, Player, RemotePlayer
 from .registry import NO_LIMIT
 from .simulators import find_mujoco
-from .snapshots import TRIES, choose_snapshots
+from .snapshots import TRIES, Exactness, choose_snapshots
 
 PREFIX, HOLD, SETTLE = 40, 10, 20
 """Random actions on the way to a start, how many steps each is held, and steps without a command
@@ -33,6 +33,8 @@ ROUNDING = 1e-9
 """Share by which a sequence stays off a stop, so that rounding does not count as reaching it."""
 MOST_TRIES = 200
 """Draws of a start that must satisfy a condition, before giving up. Chosen."""
+NEVER = "none"
+"""The state is never restored."""
 PIXELS = 128
 """Height and width of images, as the paper's robots see."""
 
@@ -79,8 +81,9 @@ class GymnasiumWorld:
         and limits of steps (TimeLimit) are lifted. An episode that terminates is continued.
     control : {"auto", "direct", "increments", "servo"}
         See :func:`.choose_control`.
-    snapshots : {"auto", "native", "replay", "fork"}
-        See :func:`.choose_snapshots`.
+    snapshots : {"auto", "native", "replay", "fork", "none"}
+        See :func:`.choose_snapshots`. With ``none`` the state is never restored, as on a real
+        robot: the return protocol asks for no more.
     sensors : sequence of str, optional
         Keys of a Dict observation to use; all by default. ``["pixels"]`` is an image, 128 x 128, of
         an environment that was made with ``render_mode="rgb_array"``.
@@ -149,20 +152,28 @@ class GymnasiumWorld:
         self._limits = _lift_limits(env)
         self._prefix, self._hold, self._settle = prefix, hold, settle
         restore_actuators(env)
-        way, self.exactness = choose_snapshots(env, snapshots, tries)
+        way, self.exactness = None, list[Exactness]()
+        if snapshots != NEVER:
+            way, self.exactness = choose_snapshots(env, snapshots, tries)
         self.control, reason = choose_control(env, control)
         player = Player(env, self.control)
         self._local = player
         self._player: Player | RemotePlayer = player
         self._pristine: Any = None
-        if way.name == "fork":
+        if way is None:
+            player.reset(0)
+        elif way.name == "fork":
             way.close()
             self._player = RemotePlayer(player)
         else:
             player.snapshots = way
-        self._keep_pristine()
+        if way is not None:
+            self._keep_pristine()
         self.choices = [
-            f"state restored by {way.name} (exact in {self.exactness[-1].exact} of {tries} tries)",
+            "state never restored"
+            if way is None
+            else f"state restored by {way.name} (exact in {self.exactness[-1].exact} of {tries} "
+            "tries)",
             f"control {self.control.name} ({reason})",
         ]
         if avoid_stops and self.control.name != "direct":
@@ -193,9 +204,16 @@ class GymnasiumWorld:
 
     def snapshot(self) -> Situation:
         down, up = self._player.room()
+        if self._pristine is None:
+            return Situation(None, down, up)
         return Situation(self._player.snapshot(), down, up)
 
     def restore(self, snapshot: Situation) -> None:
+        if snapshot.inner is None:
+            raise WorldError(
+                "snapshots='none' was asked for, so that nothing can be restored; measure with "
+                "protocol='return', or choose snapshots='auto'"
+            )
         self._player.restore(snapshot.inner)
         self._touched, self._terminated, self._last = frozenset(), False, None
 
@@ -237,6 +255,10 @@ class GymnasiumWorld:
     def reaches_stop(self, start: Situation, sequence: np.ndarray) -> bool:
         """Whether some order of a sequence could reach a stop from `start`."""
         return bool((_scale_within(sequence, start) < 1 - ROUNDING).any())
+
+    def has_inverse(self) -> np.ndarray:
+        """For which actions the opposite action leads back, as far as the control knows."""
+        return self.control.has_inverse()
 
     def reseed(self, seed: int) -> None:
         """Give the environment's generator another state: whether steps are noisy shows then."""
@@ -290,7 +312,8 @@ class GymnasiumWorld:
         actions = rng.uniform(-1, 1, (-(-self._prefix // self._hold), n)).repeat(self._hold, 0)
         actions = np.concatenate([actions[: self._prefix], np.zeros((self._settle, n))])
         self._touched, self._terminated = frozenset(), False
-        self._player.restore(self._pristine)
+        if self._pristine is not None:
+            self._player.restore(self._pristine)
         first = self._player.reset(seed)
         if self.approach is not None:
             played = self._player.play(np.zeros((0, n)))

@@ -6,7 +6,7 @@ orders. They know worlds only through the protocols of :mod:`sensory_commutativi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -212,11 +212,16 @@ def distances_per_dof(
     length: int,
     distance: Distance = mean_squared_error,
     rest_steps: int = REST_STEPS,
+    dofs: Collection[str] | None = None,
 ) -> dict[str, float]:
-    """As :func:`endings_per_dof`, but the distance of the two final observations."""
+    """As :func:`endings_per_dof`, but the distance of the two final observations.
+
+    With `dofs`, only these degrees of freedom are tried; what is random in them stays the same.
+    """
     world.reset(generator(seed, "situation"))
     start = world.snapshot()
     return {
         dof: distance(*compare_orders(world, start, sequence, permuted, rest_steps))
         for dof, sequence, permuted in orders_per_dof(world, seed, length, start)
+        if dofs is None or dof in dofs
     }

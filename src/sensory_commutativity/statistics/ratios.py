@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from statistics import NormalDist
 from typing import NamedTuple
 
 import numpy as np
+
+from .proportions import NORMAL_975
 
 
 class PairedRatio(NamedTuple):
@@ -27,9 +30,7 @@ def paired_ratio(a: np.ndarray, b: np.ndarray, confidence: float = 0.95) -> Pair
         If the arrays differ in shape or are empty.
     """
     a, b = _check_pair(a, b)
-    from scipy import stats
-
-    z = float(stats.norm.ppf(0.5 + confidence / 2))
+    z = NORMAL_975 if confidence == 0.95 else NormalDist().inv_cdf(0.5 + confidence / 2)
     both, only_a, only_b = int((a & b).sum()), int((a & ~b).sum()), int((~a & b).sum())
     x, y, n = both + only_a, both + only_b, both + only_a + only_b
     if not y:

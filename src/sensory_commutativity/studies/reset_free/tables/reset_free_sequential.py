@@ -28,8 +28,8 @@ EQUAL = 0.9
 """SCP of all degrees of freedom in the case "equal". Chosen: near those of Flatland."""
 
 SURE = 0.99
-"""Largest share of right runs that is asked of a fixed number; chosen: more takes too many simulated
-runs."""
+"""Largest share of right runs that is asked of a fixed number. Chosen: more takes too many
+simulated runs."""
 
 Draw = Callable[[np.random.Generator, int, int], np.ndarray]
 """Generator, runs and starts -> which experiments commuted: bool (runs, starts, dofs)."""
