@@ -14,6 +14,7 @@ import gymnasium
 import numpy as np
 
 from ..errors import ArgumentError, WorldError
+from ..scp.distances import scaled_difference
 from ..scp.world import Dof
 from ..seeding import generator
 from .control import check_action_space, choose_control, restore_actuators
@@ -270,11 +271,7 @@ class GymnasiumWorld:
         Sensors that never moved on the way to starts, such as goals, do not count, unless the two
         observations differ in them: then they do, in the median unit of the others.
         """
-        difference = first - second
-        counts = np.isfinite(self.unit) | (difference != 0)
-        unit = np.where(np.isfinite(self.unit), self.unit, self._median_unit)
-        scaled = difference[counts] / unit[counts]
-        return float(np.sqrt(np.mean(scaled**2))) if scaled.size else 0.0
+        return scaled_difference(first, second, self.unit)
 
     def close(self) -> None:
         """Give the environment back as it was: its actuators, and its limit of steps."""
@@ -346,9 +343,7 @@ class GymnasiumWorld:
         everything = np.where(moves, spread, np.inf)
         self._tolerance = np.where(moves, STILL * spread, np.inf)
         self.unit = everything[self._sensed]
-        finite = self.unit[np.isfinite(self.unit)]
-        self._median_unit = float(np.median(finite)) if len(finite) else 1.0
-        still = len(self.unit) - len(finite)
+        still = int(np.isinf(self.unit).sum())
         if still and not self._pixels:
             self.choices.append(f"{still} of {len(self.unit)} sensors never moved before a start")
 

@@ -100,7 +100,7 @@ class Measurement:
     ----------
     distances : float64 (n, n_dofs)
         Distance of the two final observations, one row per start, one column per degree of freedom;
-        NaN where sampling until ordered needed no experiment.
+        NaN where sampling until ordered needed no experiment, or a log has none.
     dofs : tuple of Dof
     thresholds : tuple of float
         Largest distances that count as equal.
@@ -188,7 +188,8 @@ class Measurement:
                     "it says nothing about others; leave it out"
                 )
             return order_sequentially(self.distances, self.names, stopping)
-        return order_dofs(self.distances, self.names, threshold, alpha)
+        complete = ~np.isnan(self.distances).any(axis=1)  # a log may have more of one than another
+        return order_dofs(self.distances[complete], self.names, threshold, alpha)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the SCP of every degree of freedom with its 95 % interval, lowest at the top.
@@ -263,15 +264,15 @@ class Measurement:
             raise TableError(
                 f"{path}: its metadata do not describe a measurement; measure again"
             ) from None
-        if settings.stopping is not None:
+        gaps = settings.stopping is not None or settings.protocol == returning.RETURN
+        if gaps:
             frame = _fill(frame, [dof.name for dof in dofs])
         n, names = len(frame) // max(len(dofs), 1), [dof.name for dof in dofs]
         complete = len(frame) == n * len(dofs) and (
             frame["dof"].tolist() == names * n
             and frame["experiment"].tolist() == np.repeat(np.arange(n), len(dofs)).tolist()
         )
-        missing = frame["distance"].isna().any() and settings.stopping is None
-        if not complete or missing:
+        if not complete or (frame["distance"].isna().any() and not gaps):
             raise TableError(f"{path}: experiments are missing or out of order; measure again")
         metadata.pop("table", None)
         distances = frame["distance"].to_numpy().reshape(n, len(dofs))

@@ -29,7 +29,7 @@ from ..seeding import generator
 from .distances import Distance
 from .experiment import REST_STEPS, orders_of_dof, play_and_rest
 from .sequences import check_sequence, inverse
-from .world import InverseReporter, SequenceLimiter, SteppableWorld, World
+from .world import InverseReporter, SequenceLimiter, SteppableWorld, TrialListener, World
 
 HOLD = 10
 """Steps for which an action is held on the way to the next trial. Chosen: as in starts of Gymnasium
@@ -203,5 +203,9 @@ def trials_per_dof(
             if isinstance(world, SequenceLimiter) and isinstance(world, World):
                 start = world.snapshot()
             sequence, permuted = orders_of_dof(world, seed, length, k, start)
+            if isinstance(world, TrialListener):
+                world.begin_trial(k)
             legs = play_trial(world, sequence, permuted, rest_steps)
+            if isinstance(world, TrialListener):
+                world.end_trial()
             yield dof.name, compare_legs(legs, distance)

@@ -139,6 +139,17 @@ class InverseReporter(Protocol):
         """
 
 
+@runtime_checkable
+class TrialListener(Protocol):
+    """A world that is told when a trial of the return protocol begins and ends, to record it."""
+
+    def begin_trial(self, dof: int) -> None:
+        """From now on, actions and observations belong to the next trial, of this one."""
+
+    def end_trial(self) -> None:
+        """The trial is over."""
+
+
 def play(world: SteppableWorld, actions: np.ndarray) -> None:
     """Play `actions`, float array of shape (steps, len(dofs)), one after the other."""
     if isinstance(world, SequencePlayer):
