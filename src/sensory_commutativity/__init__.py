@@ -12,13 +12,16 @@ from typing import Any
 __version__ = "0.1.0"
 
 _MODULES = {
+    "measurement.logs": ("Recorder", "measure_log", "write_log"),
     "measurement.measure": ("measure",),
     "measurement.measurement": ("Measurement",),
     "measurement.order": ("DofOrder",),
     "scp.check": ("CheckResult", "WorldReport", "check_world"),
     "scp.world": (
-        "Dof", "EventReporter", "Resting", "SequenceLimiter", "SequencePlayer", "World", "play",
+        "Dof", "EventReporter", "InverseReporter", "Resting", "SequenceLimiter", "SequencePlayer",
+        "SteppableWorld", "World", "play",
     ),
+    "scp.return_protocol": ("Legs", "compare_legs", "play_trial"),
     "scp.sequences": ("compose", "inverse", "no_op", "permute", "sample_sequence"),
     "scp.experiment": (
         "commutation_experiment", "compare_orders", "distances_per_dof", "endings_per_dof",
@@ -29,6 +32,7 @@ _MODULES = {
     "scp.estimate": ("commutes", "estimate_scp"),
     "adapters": ("as_world",),
     "adapters.gymnasium": ("GymnasiumWorld", "from_gymnasium"),
+    "adapters.noise": ("NoisyWorld",),
     "adapters.registry": ("make_environment",),
     "adapters.snapshots": ("Exactness", "ExactSnapshot", "choose_snapshots", "measure_exactness"),
     "worlds.catalog": ("make_apartment", "make_world"),

@@ -11,13 +11,15 @@ from ..scp.world import World
 ENVIRONMENT_PARTS = ("action_space", "observation_space", "reset", "step")
 
 
-def as_world(source: Any) -> World:
+def as_world(source: Any, **options: Any) -> World:
     """Return `source` as a :class:`~sensory_commutativity.scp.world.World`.
 
     Parameters
     ----------
     source : World, Gymnasium environment, or callable
         A callable without arguments that returns one of the others.
+    **options
+        For an environment: of :class:`.GymnasiumWorld`.
 
     Raises
     ------
@@ -35,13 +37,13 @@ def as_world(source: Any) -> World:
     if all(hasattr(source, name) for name in ENVIRONMENT_PARTS):
         from .gymnasium import from_gymnasium
 
-        return from_gymnasium(source)
+        return from_gymnasium(source, **options)
     if isinstance(source, str):
         raise ArgumentError(
             f"world: expected a world or an environment, got the text {source!r}; write "
             f"make_world({source!r}), or gymnasium.make({source!r})"
         )
     if callable(source):
-        return as_world(source())
+        return as_world(source(), **options)
     require_world(source)
     return source

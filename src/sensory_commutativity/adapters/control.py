@@ -99,6 +99,10 @@ class DirectControl:
         """Actions of 1 that lead to the lower and to the upper stop; infinite if not known."""
         return np.full(self.n, np.inf), np.full(self.n, np.inf)
 
+    def has_inverse(self) -> np.ndarray:
+        """For which actions the opposite action leads back: bool (n,)."""
+        return np.zeros(self.n, bool)
+
     def _scale(self, actions: np.ndarray) -> np.ndarray:
         """From [-1, 1] to the environment's range, float (steps, n)."""
         span = np.where(actions >= 0, self.high - self.middle, self.middle - self.low)
@@ -125,6 +129,9 @@ class IncrementControl(DirectControl):
 
     def room(self) -> tuple[np.ndarray, np.ndarray]:
         return (self.state + 1) / SPEED, (1 - self.state) / SPEED
+
+    def has_inverse(self) -> np.ndarray:
+        return np.ones(self.n, bool)
 
 
 class ServoControl(DirectControl):
@@ -196,6 +203,11 @@ class ServoControl(DirectControl):
         down[self.motors] = (self.state - self._stops[:, 0]) / SPEED
         up[self.motors] = (self._stops[:, 1] - self.state) / SPEED
         return np.maximum(down, 0), np.maximum(up, 0)
+
+    def has_inverse(self) -> np.ndarray:
+        known = np.zeros(self.n, bool)
+        known[self.motors] = True
+        return known
 
 
 CONTROLS: dict[str, type[DirectControl]] = {

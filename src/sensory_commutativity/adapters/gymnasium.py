@@ -14,6 +14,7 @@ import gymnasium
 import numpy as np
 
 from ..errors import ArgumentError, WorldError
+from ..scp.distances import scaled_difference
 from ..scp.world import Dof
 from ..seeding import generator
 from .control import check_action_space, choose_control, restore_actuators
@@ -21,7 +22,7 @@ from .player import Played, Player, RemotePlayer
 from .registry import NO_LIMIT
 from .sensors import WORLD, find_world_sensors, select_sensors
 from .simulators import find_mujoco
-from .snapshots import TRIES, choose_snapshots
+from .snapshots import TRIES, Exactness, choose_snapshots
 
 PREFIX, HOLD, SETTLE = 40, 10, 20
 """Random actions on the way to a start, how many steps each is held, and steps without a command
@@ -34,6 +35,8 @@ ROUNDING = 1e-9
 """Share by which a sequence stays off a stop, so that rounding does not count as reaching it."""
 MOST_TRIES = 200
 """Draws of a start that must satisfy a condition, before giving up. Chosen."""
+NEVER = "none"
+"""The state is never restored."""
 PIXELS = 128
 """Height and width of images, as the paper's robots see."""
 
@@ -80,8 +83,9 @@ class GymnasiumWorld:
         and limits of steps (TimeLimit) are lifted. An episode that terminates is continued.
     control : {"auto", "direct", "increments", "servo"}
         See :func:`.choose_control`.
-    snapshots : {"auto", "native", "replay", "fork"}
-        See :func:`.choose_snapshots`.
+    snapshots : {"auto", "native", "replay", "fork", "none"}
+        See :func:`.choose_snapshots`. With ``none`` the state is never restored, as on a real
+        robot: the return protocol asks for no more.
     sensors : sequence of str, optional
         Keys of a Dict observation to use; all by default. ``["world"]`` are the sensors that do not
         move when nothing is touched (:func:`.find_world_sensors`), also of other observations.
@@ -152,20 +156,28 @@ class GymnasiumWorld:
         self._limits = _lift_limits(env)
         self._prefix, self._hold, self._settle = prefix, hold, settle
         restore_actuators(env)
-        way, self.exactness = choose_snapshots(env, snapshots, tries)
+        way, self.exactness = None, list[Exactness]()
+        if snapshots != NEVER:
+            way, self.exactness = choose_snapshots(env, snapshots, tries)
         self.control, reason = choose_control(env, control)
         player = Player(env, self.control)
         self._local = player
         self._player: Player | RemotePlayer = player
         self._pristine: Any = None
-        if way.name == "fork":
+        if way is None:
+            player.reset(0)
+        elif way.name == "fork":
             way.close()
             self._player = RemotePlayer(player)
         else:
             player.snapshots = way
-        self._keep_pristine()
+        if way is not None:
+            self._keep_pristine()
         self.choices = [
-            f"state restored by {way.name} (exact in {self.exactness[-1].exact} of {tries} tries)",
+            "state never restored"
+            if way is None
+            else f"state restored by {way.name} (exact in {self.exactness[-1].exact} of {tries} "
+            "tries)",
             f"control {self.control.name} ({reason})",
         ]
         if avoid_stops and self.control.name != "direct":
@@ -203,9 +215,16 @@ class GymnasiumWorld:
 
     def snapshot(self) -> Situation:
         down, up = self._player.room()
+        if self._pristine is None:
+            return Situation(None, down, up)
         return Situation(self._player.snapshot(), down, up)
 
     def restore(self, snapshot: Situation) -> None:
+        if snapshot.inner is None:
+            raise WorldError(
+                "snapshots='none' was asked for, so that nothing can be restored; measure with "
+                "protocol='return', or choose snapshots='auto'"
+            )
         self._player.restore(snapshot.inner)
         self._touched, self._terminated, self._last = frozenset(), False, None
 
@@ -255,6 +274,10 @@ class GymnasiumWorld:
         """Whether some order of a sequence could reach a stop from `start`."""
         return bool((_scale_within(sequence, start) < 1 - ROUNDING).any())
 
+    def has_inverse(self) -> np.ndarray:
+        """For which actions the opposite action leads back, as far as the control knows."""
+        return self.control.has_inverse()
+
     def reseed(self, seed: int) -> None:
         """Give the environment's generator another state: whether steps are noisy shows then."""
         self._player.reseed(seed)
@@ -263,13 +286,9 @@ class GymnasiumWorld:
         """Root mean square of the differences, each in units of its sensor.
 
         Sensors that never moved on the way to starts, such as goals, do not count, unless the two
-        observations differ in them: then they do, in units of their spread over the starts, or if
-        they are the same at all starts, in the median unit of the others.
+        observations differ in them: then they do, in the median unit of the others.
         """
-        difference = first - second
-        counts = np.isfinite(self.unit) | (difference != 0)
-        scaled = difference[counts] / self._any_unit[counts]
-        return float(np.sqrt(np.mean(scaled**2))) if scaled.size else 0.0
+        return scaled_difference(first, second, self.unit)
 
     def close(self) -> None:
         """Give the environment back as it was: its actuators, and its limit of steps."""
@@ -307,7 +326,8 @@ class GymnasiumWorld:
         actions = rng.uniform(-1, 1, (-(-self._prefix // self._hold), n)).repeat(self._hold, 0)
         actions = np.concatenate([actions[: self._prefix], np.zeros((self._settle, n))])
         self._touched, self._terminated = frozenset(), False
-        self._player.restore(self._pristine)
+        if self._pristine is not None:
+            self._player.restore(self._pristine)
         first = self._player.reset(seed)
         if self.approach is not None:
             played = self._player.play(np.zeros((0, n)))
@@ -339,15 +359,18 @@ class GymnasiumWorld:
         visited = np.concatenate(ways)
         spread = visited.std(axis=0)
         self._tolerance = np.where(moves, STILL * spread, np.inf)
-        median = float(np.median(spread[moves])) if moves.any() else 1.0
+        self._spread = np.where(np.ptp(visited, axis=0) > 0, spread, np.inf)
         self.unit = np.where(moves, spread, np.inf)[self._sensed]
-        self._any_unit = np.where(np.ptp(visited, axis=0) > 0, spread, median)[self._sensed]
 
     def _keep_sensors(self, which: np.ndarray) -> None:
-        """Compare only the sensors of a mask, bool (size,)."""
+        """Compare only the sensors of a mask, bool (size,).
+
+        If none of them moves on the way to starts, their units are their spread over the starts.
+        """
         self.choices.append(f"{which.sum()} of {len(which)} sensors are of the world")
         self._sensed = self._sensed[which]
-        self.unit, self._any_unit = self.unit[which], self._any_unit[which]
+        unit = self.unit[which]
+        self.unit = unit if np.isfinite(unit).any() else self._spread[self._sensed]
 
 
 def from_gymnasium(env: gymnasium.Env, **options: Any) -> GymnasiumWorld:

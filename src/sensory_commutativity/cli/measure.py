@@ -9,6 +9,8 @@ import click
 
 from ..errors import WorldError
 from ..storage.atomic import atomic_write
+from .real_robots import measure_recorded, real_robot_options, write_record
+from .real_robots import record as start_recording
 from .robot import warn_about_robot
 from .worlds import build_world, list_worlds, world_options
 
@@ -44,6 +46,7 @@ FILE: Any = click.Path(dir_okay=False, path_type=Path)
     help="Parquet file for the experiments; if it exists, the measurement goes on from it.",
 )  # fmt: skip
 @click.option("--plot", type=FILE, help="Picture of the SCPs to write: PNG, PDF or SVG.")
+@real_robot_options
 def measure(
     world: str | None,
     list_names: bool,
@@ -57,6 +60,14 @@ def measure(
     workers: int,
     out: Path | None,
     plot: Path | None,
+    protocol: str,
+    reset_every: int | None,
+    wander: int | None,
+    until: str | None,
+    alpha: float,
+    margin: float,
+    log: Path | None,
+    record: Path | None,
     **which: str | None,
 ) -> None:
     """Measure the SCP of every degree of freedom of WORLD.
@@ -74,14 +85,24 @@ def measure(
             raise click.UsageError(f"{option} {path}: there is no folder {path.parent}; create it")
     if plot is not None:
         _check_format(plot)
-    built = build_world(world, options, which)
-    warn_about_robot(built)
-    measurement = measure_world(
-        built, n, length, distance, thresholds or None, seed,
-        rest_steps=rest_steps, workers=workers, resume=out,
-    )  # fmt: skip
+    if log is not None:
+        unused = dict(WORLD=world, until=until, record=record, **which)
+        measurement = measure_recorded(log, distance, thresholds, unused)
+        if out is not None:
+            measurement.save(out)
+    else:
+        built = build_world(world, options, which, restored=protocol != "return")
+        warn_about_robot(built)
+        source = start_recording(built, record, protocol)
+        measurement = measure_world(
+            source, n, length, distance, thresholds or None, seed, protocol=protocol,
+            reset_every=reset_every, wander=wander, until=until, alpha=alpha, margin=margin,
+            rest_steps=rest_steps, workers=workers, resume=out,
+        )  # fmt: skip
+        write_record(record, source, measurement.settings.distance)
     click.echo(str(measurement))
-    if len(measurement.dofs) > 1 and not measurement.controls:
+    ordered = measurement.settings.stopping is not None or not measurement.controls
+    if len(measurement.dofs) > 1 and ordered:
         click.echo(f"\n{measurement.order()}")
     if plot is not None:
         from matplotlib.figure import Figure  # needs no screen
@@ -90,7 +111,7 @@ def measure(
         measurement.plot(figure.add_subplot())
         with atomic_write(plot) as temporary:
             figure.savefig(temporary, dpi=150)
-    written = [str(path) for path in (out, plot) if path is not None]
+    written = [str(path) for path in (out, plot, record) if path is not None]
     if written:
         click.echo(f"\nwritten: {', '.join(written)}")
     _refuse_if_terminated(measurement)

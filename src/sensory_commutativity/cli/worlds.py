@@ -60,8 +60,13 @@ def list_worlds() -> None:
         click.echo(f"{kind}: {', '.join(names)}")
 
 
-def build_world(world: str | None, options: tuple[str, ...], which: dict[str, str | None]) -> World:
+def build_world(
+    world: str | None, options: tuple[str, ...], which: dict[str, str | None], restored: bool = True
+) -> World:
     """Build the world that the command line names; `which` holds the options that say which.
+
+    If nothing is to be `restored`, an environment makes no snapshots, and a world of one's own may
+    be without.
 
     Raises
     ------
@@ -80,6 +85,8 @@ def build_world(world: str | None, options: tuple[str, ...], which: dict[str, st
     if apartment and world != "apartment":
         raise click.UsageError("--robot and --scene belong to the world apartment")
     own = OWN.match(world)
+    if not restored and world not in WORLDS:
+        chosen["snapshots"] = "none"
     if (which.get("control") or which.get("sensors")) and world in WORLDS:
         raise click.UsageError("--control and --sensors belong to Gymnasium environments")
     if world in WORLDS:
@@ -87,7 +94,9 @@ def build_world(world: str | None, options: tuple[str, ...], which: dict[str, st
     if own:
         adapter = _split_options(chosen)
         source = _call(_load_own(own["module"], own["name"]), chosen, world)
-        return _adapt(source, adapter) if hasattr(source, "action_space") else as_world(source)
+        if hasattr(source, "action_space"):
+            return _adapt(source, adapter)
+        return as_world(source) if restored else source
     return _make_environment(world, chosen, list(WORLDS))
 
 

@@ -34,7 +34,9 @@ from .arguments import (
     try_distance,
 )
 from .controls import COLUMNS, has_controls
+from .living import Plan, as_steppable, check_plan, measure_living
 from .measurement import Measurement, Settings, same_measurement
+from .returning import RETURN, Life
 from .running import (
     Protocol,
     experiment_seed,
@@ -42,6 +44,7 @@ from .running import (
     play_experiments,
     play_in_parallel,
 )
+from .until import Stopping, check_stopping
 
 SAVE_EVERY = 10.0
 """Seconds between two writes of the file given as `resume`. Chosen: a kill loses little."""
@@ -60,6 +63,12 @@ def measure(
     thresholds: float | Sequence[float] | None = None,
     seed: int = 0,
     *,
+    protocol: str = "reset",
+    reset_every: int | None = None,
+    wander: int | None = None,
+    until: str | None = None,
+    alpha: float = 0.05,
+    margin: float = 0.05,
     rest_steps: int | None = None,
     workers: int = 1,
     resume: str | Path | None = None,
@@ -77,7 +86,7 @@ def measure(
     world : World, Gymnasium environment, or callable
         A callable without arguments that returns one of the others is called once per process.
     n : int
-        Start situations, at least 1.
+        Start situations, at least 1; with `until`, the largest number of them.
     length : int
         Actions in a sequence, at least 1.
     distance : {"mse", "scaled", "vgg16"} or callable, optional
@@ -90,6 +99,21 @@ def measure(
         :meth:`.Measurement.with_thresholds`.
     seed : int
         Determines starts, sequences and orders. Experiment i is the same for every `n`.
+    protocol : {"reset", "return"}
+        ``reset``: both orders start from a restored situation. ``return``: nothing is restored; the
+        inverse actions lead back from the first order to the start of the second
+        (:mod:`.return_protocol`), and the SCP is also given relative to that of a control. `world`
+        needs no more than dofs, step and observe.
+    reset_every : int, optional
+        With ``return``, starts between two resets; by default the world is reset once.
+    wander : int, optional
+        With ``return``, random actions on the way to the next start; by default `length`.
+    until : {"ordered"}, optional
+        Stop when every pair of degrees of freedom is ordered or found tied; those that are decided
+        are not played any more (:mod:`.sequential`).
+    alpha, margin : float in (0, 1)
+        With `until`, the largest probability that anything said of the order is wrong, and the
+        difference of SCPs below which two may be called tied.
     rest_steps : int, optional
         Steps without a command at the end of each order, so that the agent is at rest; by default
         3. A Gymnasium environment rests until it is still, by default for at most 100 steps.
@@ -118,19 +142,48 @@ def measure(
     """
     n = check_whole_number("n", n, 1)
     workers = check_whole_number("workers", workers, 1, 1024)
-    measured = as_world(world)
-    protocol, name = _choose_protocol(measured, length, distance, seed, rest_steps)
+    file = None if resume is None else Path(resume)
+    returns = protocol == RETURN
+    measured = as_steppable(world) if returns else as_world(world)
+    played_by, name = _choose_protocol(measured, length, distance, seed, rest_steps)
     thresholds = check_thresholds(default_thresholds(name) if thresholds is None else thresholds)
-    if check:
-        check_world(measured, CHECK_TRIES, CHECK_LENGTH, protocol.seed).raise_if_failed()
-        try_distance(measured, protocol.distance, protocol.seed, CHECK_LENGTH, protocol.rest_steps)
+    stopping = check_stopping(until, alpha, margin, thresholds[0])
+    check_plan(protocol, reset_every, workers, file, stopping)
+    if check and not returns:
+        check_world(measured, CHECK_TRIES, CHECK_LENGTH, played_by.seed).raise_if_failed()
+        try_distance(
+            measured, played_by.distance, played_by.seed, CHECK_LENGTH, played_by.rest_steps
+        )
     if resume is not None and "<" in name:
         raise ArgumentError(
             f"resume: the distance {name} has no name by which it could be recognized; define it "
             "with def at the top level of a module"
         )
-    settings = _describe(measured, protocol, name)
-    results = _Results(n, measured, thresholds, settings, None if resume is None else Path(resume))
+    settings = _describe(measured, played_by, name, protocol, stopping)
+    if returns or stopping is not None:
+        plan = Plan(_choose_life(reset_every, wander, length) if returns else None, stopping)
+        found = measure_living(measured, n, played_by, plan, thresholds, settings, file, progress)
+    else:
+        found = _measure_apart(
+            world, measured, n, played_by, thresholds, settings, file, workers, progress
+        )
+    if measured is not world and hasattr(measured, "close"):
+        measured.close()  # gives an environment back as it was
+    return found
+
+
+def _choose_life(reset_every: int | None, wander: int | None, length: int) -> Life:
+    if reset_every is not None:
+        reset_every = check_whole_number("reset_every", reset_every, 1)
+    return Life(reset_every, length if wander is None else check_whole_number("wander", wander, 0))
+
+
+def _measure_apart(
+    world: Any, measured: World, n: int, protocol: Protocol, thresholds: tuple[float, ...],
+    settings: Settings, file: Path | None, workers: int, progress: bool | None,
+) -> Measurement:  # fmt: skip
+    """Play experiments that do not depend on each other, in any order, in several processes."""
+    results = _Results(n, measured, thresholds, settings, file)
     missing = results.missing()
     if workers > 1 and len(missing) > 1:
         # A function makes a world in every process; another source has been adapted already.
@@ -142,8 +195,6 @@ def measure(
         for i, row in _checked(played, settings.world):
             results.add(i, row)
             bar.update()
-    if measured is not world and hasattr(measured, "close"):
-        measured.close()  # gives an environment back as it was
     return results.finish()
 
 
@@ -167,9 +218,12 @@ def _choose_protocol(
     return protocol, name
 
 
-def _describe(world: World, protocol: Protocol, distance: str) -> Settings:
+def _describe(
+    world: Any, protocol: Protocol, distance: str, name: str, stopping: Stopping | None
+) -> Settings:
     """What the distances depend on."""
-    world.reset(generator(experiment_seed(protocol.seed, 0), "situation"))
+    if isinstance(world, World):
+        world.reset(generator(experiment_seed(protocol.seed, 0), "situation"))
     first = np.ascontiguousarray(world.observe())
     return Settings(
         world=getattr(world, "name", type(world).__name__),
@@ -178,6 +232,8 @@ def _describe(world: World, protocol: Protocol, distance: str) -> Settings:
         distance=distance,
         seed=protocol.seed,
         start_sha256=hashlib.sha256(first.tobytes()).hexdigest(),
+        protocol=name,
+        stopping=stopping,
     )
 
 

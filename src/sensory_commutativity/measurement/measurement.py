@@ -18,10 +18,11 @@ from ..scp.world import Dof
 from ..storage.columns import FLOAT, INT, TEXT, Column
 from ..storage.provenance import environment
 from ..storage.tables import has_column, read_metadata, read_table, write_table
-from . import controls
+from . import controls, returning
 from .arguments import check_thresholds
 from .order import DofOrder, order_dofs
 from .report import add_report, describe_report
+from .until import Stopping, order_sequentially
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +43,15 @@ CONTROLLED = (
     ),
 )
 """With the controls of an environment."""
+RETURNED = (
+    *COLUMNS,
+    *(
+        Column(name, FLOAT, "1", text)
+        for name, text in returning.COLUMNS.items()
+        if name != "distance"
+    ),
+)
+"""With the control of the return protocol."""
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 """Of the thresholds in a figure: colours that colour-blind readers can tell apart (Okabe and Ito
 2008, https://jfly.uni-koeln.de/color)."""
@@ -62,6 +72,10 @@ class Settings:
     seed : int
     start_sha256 : str
         SHA-256 of the first observation of the first experiment: tells worlds of one name apart.
+    protocol : {"reset", "return"}
+        Whether each order starts from a restored situation, or is followed by a return.
+    stopping : Stopping, optional
+        The rule by which sampling stopped.
     """
 
     world: str
@@ -70,6 +84,12 @@ class Settings:
     distance: str
     seed: int
     start_sha256: str
+    protocol: str = "reset"
+    stopping: Stopping | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.stopping, dict):  # from a file
+            object.__setattr__(self, "stopping", Stopping(**self.stopping))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +99,15 @@ class Measurement:
     Attributes
     ----------
     distances : float64 (n, n_dofs)
-        Distance of the two final observations, one row per start, one column per degree of freedom.
+        Distance of the two final observations, one row per start, one column per degree of freedom;
+        NaN where sampling until ordered needed no experiment, or a log has none.
     dofs : tuple of Dof
     thresholds : tuple of float
         Largest distances that count as equal.
     settings : Settings
     controls : mapping of str to float64 (n, n_dofs)
-        What the controls of an environment measured (:data:`.controls.COLUMNS`); empty for a world
-        without them.
+        What the controls of an environment (:data:`.controls.COLUMNS`) or of the return protocol
+        (:data:`.returning.COLUMNS`) measured; empty for a world without them.
     choices : tuple of str
         What was chosen for an environment, and why, for people.
     provenance : mapping of str to str
@@ -114,7 +135,7 @@ class Measurement:
     def experiments(self) -> pd.DataFrame:
         """One row per SC-experiment: experiment, dof, distance, and the controls, if any."""
         n, n_dofs = self.distances.shape
-        return pd.DataFrame(
+        frame = pd.DataFrame(
             dict(
                 experiment=np.repeat(np.arange(n), n_dofs),
                 dof=np.tile(np.array(self.names, object), n),
@@ -122,13 +143,17 @@ class Measurement:
                 **{name: values.ravel() for name, values in self.controls.items()},
             )
         )
+        return frame[frame["distance"].notna()].reset_index(drop=True)
 
     @property
     def table(self) -> pd.DataFrame:
         """One row per degree of freedom and threshold: dof, threshold, n, commuted, scp, ci_low,
-        ci_high (95 %, Wilson); for an environment also the columns of :func:`.report.add_report`.
+        ci_high (95 %, Wilson); for an environment also the columns of :func:`.report.add_report`,
+        and by the return protocol those of :func:`.returning.add_relative`.
         """
         table = estimate_scp(self.experiments, ["dof"], self.thresholds)
+        if self.settings.protocol == returning.RETURN:
+            return returning.add_relative(table, self.distances, self.controls, self.names)
         return add_report(table, self.distances, self.controls, self.names)
 
     def with_thresholds(self, *thresholds: float) -> Measurement:
@@ -155,7 +180,16 @@ class Measurement:
         (threshold,) = check_thresholds(threshold)
         if not 0 < alpha < 1:
             raise ArgumentError(f"alpha: expected a number between 0 and 1, got {alpha!r}")
-        return order_dofs(self.distances, self.names, threshold, alpha)
+        stopping = self.settings.stopping
+        if stopping is not None:
+            if threshold != stopping.threshold:
+                raise ArgumentError(
+                    f"threshold: sampling stopped by the order at {stopping.threshold:g}, so that "
+                    "it says nothing about others; leave it out"
+                )
+            return order_sequentially(self.distances, self.names, stopping)
+        complete = ~np.isnan(self.distances).any(axis=1)  # a log may have more of one than another
+        return order_dofs(self.distances[complete], self.names, threshold, alpha)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the SCP of every degree of freedom with its 95 % interval, lowest at the top.
@@ -200,7 +234,9 @@ class Measurement:
         )
         contents["choices"] = list(self.choices)
         metadata = {TABLE: json.dumps(contents), **self.provenance}
-        columns = CONTROLLED if self.controls else COLUMNS
+        columns: tuple[Column, ...] = COLUMNS
+        if self.controls:
+            columns = RETURNED if "control" in self.controls else CONTROLLED
         write_table(path, TABLE, columns, self.experiments, metadata)
         return path
 
@@ -214,8 +250,9 @@ class Measurement:
             If the file is missing, damaged, incomplete, or something else.
         """
         path = Path(path)
-        controlled = has_column(path, CONTROLLED[-1].name)
-        frame = read_table(path, TABLE, CONTROLLED if controlled else COLUMNS)
+        kinds = (CONTROLLED, RETURNED)
+        columns = next((kind for kind in kinds if has_column(path, kind[-1].name)), COLUMNS)
+        frame = read_table(path, TABLE, columns)
         metadata = read_metadata(path)
         try:
             contents = json.loads(metadata.pop(TABLE))
@@ -227,18 +264,21 @@ class Measurement:
             raise TableError(
                 f"{path}: its metadata do not describe a measurement; measure again"
             ) from None
+        gaps = settings.stopping is not None or settings.protocol == returning.RETURN
+        if gaps:
+            frame = _fill(frame, [dof.name for dof in dofs])
         n, names = len(frame) // max(len(dofs), 1), [dof.name for dof in dofs]
         complete = len(frame) == n * len(dofs) and (
             frame["dof"].tolist() == names * n
             and frame["experiment"].tolist() == np.repeat(np.arange(n), len(dofs)).tolist()
         )
-        if not complete or not n or frame["distance"].isna().any():
+        if not complete or not n or (frame["distance"].isna().any() and not gaps):
             raise TableError(f"{path}: experiments are missing or out of order; measure again")
         metadata.pop("table", None)
         distances = frame["distance"].to_numpy().reshape(n, len(dofs))
         controls = {
             column.name: frame[column.name].to_numpy().reshape(n, len(dofs))
-            for column in (CONTROLLED[len(COLUMNS) :] if controlled else ())
+            for column in columns[len(COLUMNS) :]
         }
         return cls(distances, dofs, thresholds, settings, controls, choices, metadata)
 
@@ -247,6 +287,7 @@ class Measurement:
         lines = [
             f"SCP of {settings.world}: {len(self):,} starts, sequences of {settings.length} "
             f"actions, distance {settings.distance}, seed {settings.seed}"
+            + (", return protocol" if settings.protocol == returning.RETURN else "")
         ]
         width = max(map(len, self.names))
         thresholds = len(self.thresholds) > 1
@@ -256,7 +297,10 @@ class Measurement:
             threshold = f"  {row.threshold:>9g}" if thresholds else ""
             interval = f"[{row.ci_low:.3f}, {row.ci_high:.3f}]"
             lines.append(f"{row.dof:{width}}{threshold}  {row.scp:5.3f}  {interval}")
-        if self.controls:
+        if settings.protocol == returning.RETURN:
+            described = returning.describe_relative(self.table, self.thresholds)
+            lines = [lines[0], *self.choices, *described]
+        elif self.controls:
             lines = [lines[0], *self.choices, *describe_report(self.table, self.thresholds)]
         return "\n".join(lines)
 
@@ -266,6 +310,13 @@ class Measurement:
         """The table, for notebooks."""
         head = "<br>".join(html.escape(line) for line in (str(self).splitlines()[0], *self.choices))
         return f"<p>{head}</p>{self.table.to_html(index=False, float_format='%.3f')}"
+
+
+def _fill(frame: pd.DataFrame, names: Sequence[str]) -> pd.DataFrame:
+    """Add a row, of NaN, for every experiment that sampling until ordered did not need."""
+    experiments = np.arange(int(frame["experiment"].max()) + 1 if len(frame) else 0)
+    wanted = pd.MultiIndex.from_product([experiments, names], names=["experiment", "dof"])
+    return frame.set_index(["experiment", "dof"]).reindex(wanted).reset_index()
 
 
 def same_measurement(

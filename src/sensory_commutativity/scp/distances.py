@@ -44,3 +44,23 @@ def mean_squared_error(first: np.ndarray, second: np.ndarray) -> float:
         )
     difference = first.astype(np.float64) - second.astype(np.float64)
     return float(np.mean(difference * difference))
+
+
+def scaled_difference(first: np.ndarray, second: np.ndarray, unit: np.ndarray) -> float:
+    """Root mean square of the differences, each in units of its sensor.
+
+    Sensors that never move do not count, unless the two observations differ in them: then they do,
+    in the median unit of the others.
+
+    Parameters
+    ----------
+    first, second : float (n,)
+    unit : float (n,)
+        Infinite for a sensor that never moves.
+    """
+    difference = first - second
+    finite = np.isfinite(unit)
+    median = float(np.median(unit[finite])) if finite.any() else 1.0
+    counts = finite | (difference != 0)
+    scaled = difference[counts] / np.where(finite, unit, median)[counts]
+    return float(np.sqrt(np.mean(scaled**2))) if scaled.size else 0.0

@@ -1,12 +1,12 @@
 """The SC-experiment: the same actions in two orders from the same start (paper, definition 3).
 
-This is the only module that plays orders. It knows worlds only through the protocols of
-:mod:`sensory_commutativity.scp.world`.
+This module and :mod:`.return_protocol`, which does without a restore, are the only ones that play
+orders. They know worlds only through the protocols of :mod:`sensory_commutativity.scp.world`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +20,7 @@ from .world import (
     Resting,
     SequenceLimiter,
     Snapshot,
+    SteppableWorld,
     World,
     play,
 )
@@ -82,6 +83,11 @@ def play_order(
     world.restore(start)
     if prepare is not None:
         prepare()
+    play_and_rest(world, sequence, rest_steps)
+
+
+def play_and_rest(world: SteppableWorld, sequence: np.ndarray, rest_steps: int) -> None:
+    """Play `sequence` from where the world is, then rest; arguments as for :func:`play_order`."""
     if isinstance(world, Resting):
         play(world, sequence)
         world.rest(rest_steps)
@@ -152,11 +158,18 @@ def orders_per_dof(
     sequence, permuted : float (length, n_dofs), in [-1, 1]
     """
     for k, dof in enumerate(world.dofs):
-        rng = generator(seed, "sequence", dof.name)
-        sequence = sample_sequence(rng, length, k, len(world.dofs))
-        if start is not None and isinstance(world, SequenceLimiter):
-            sequence = world.limit(start, sequence)
-        yield dof.name, sequence, permute(rng, sequence)
+        yield dof.name, *orders_of_dof(world, seed, length, k, start)
+
+
+def orders_of_dof(
+    world: SteppableWorld, seed: int, length: int, k: int, start: Snapshot = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """As :func:`orders_per_dof`, for the degree of freedom number `k` alone."""
+    rng = generator(seed, "sequence", world.dofs[k].name)
+    sequence = sample_sequence(rng, length, k, len(world.dofs))
+    if start is not None and isinstance(world, SequenceLimiter):
+        sequence = world.limit(start, sequence)
+    return sequence, permute(rng, sequence)
 
 
 def endings_per_dof(
@@ -199,11 +212,16 @@ def distances_per_dof(
     length: int,
     distance: Distance = mean_squared_error,
     rest_steps: int = REST_STEPS,
+    dofs: Collection[str] | None = None,
 ) -> dict[str, float]:
-    """As :func:`endings_per_dof`, but the distance of the two final observations."""
+    """As :func:`endings_per_dof`, but the distance of the two final observations.
+
+    With `dofs`, only these degrees of freedom are tried; what is random in them stays the same.
+    """
     world.reset(generator(seed, "situation"))
     start = world.snapshot()
     return {
         dof: distance(*compare_orders(world, start, sequence, permuted, rest_steps))
         for dof, sequence, permuted in orders_per_dof(world, seed, length, start)
+        if dofs is None or dof in dofs
     }

@@ -49,6 +49,22 @@ class Dof:
 
 
 @runtime_checkable
+class SteppableWorld(Protocol):
+    """What can be commanded and observed but not put back: a real robot, or any environment.
+
+    The return protocol (:mod:`sensory_commutativity.scp.return_protocol`) asks for no more.
+    """
+
+    dofs: tuple[Dof, ...]
+
+    def step(self, action: np.ndarray) -> None:
+        """Play one action: float array of shape (len(dofs),), clipped to [-1, 1]."""
+
+    def observe(self) -> Observation:
+        """Return what the agent senses now: a new array, never a view of internal memory."""
+
+
+@runtime_checkable
 class World(Protocol):
     """An embodied agent and its environment.
 
@@ -112,7 +128,29 @@ class SequenceLimiter(Protocol):
         """Return `sequence`, scaled so that no order of it reaches a stop from `start`."""
 
 
-def play(world: World, actions: np.ndarray) -> None:
+@runtime_checkable
+class InverseReporter(Protocol):
+    """A world that knows for which degrees of freedom an action of -a undoes an action of a."""
+
+    def has_inverse(self) -> np.ndarray:
+        """Return bool (len(dofs),): true for commands of velocity or of a change of position.
+
+        The inverse of a force or of a position to go to is not known.
+        """
+
+
+@runtime_checkable
+class TrialListener(Protocol):
+    """A world that is told when a trial of the return protocol begins and ends, to record it."""
+
+    def begin_trial(self, dof: int) -> None:
+        """From now on, actions and observations belong to the next trial, of this one."""
+
+    def end_trial(self) -> None:
+        """The trial is over."""
+
+
+def play(world: SteppableWorld, actions: np.ndarray) -> None:
     """Play `actions`, float array of shape (steps, len(dofs)), one after the other."""
     if isinstance(world, SequencePlayer):
         world.play(actions)

@@ -15,6 +15,7 @@ from .atlas.config import AtlasConfig
 from .flatland.config import FlatlandConfig
 from .navigation.config import NavigationConfig
 from .objects.config import MasksConfig
+from .reset_free.config import ResetFreeConfig
 
 
 class Config(Section):
@@ -32,6 +33,9 @@ class Config(Section):
     apartment: ApartmentConfig
     masks: MasksConfig
     navigation: NavigationConfig
+    reset_free: ResetFreeConfig | None = Field(
+        None, description="Without a reset, under noise, and imagined; null leaves it out."
+    )
     atlas: AtlasConfig | None = Field(None, description="Environments of the atlas (make atlas).")
 
     @model_validator(mode="after")
@@ -58,6 +62,20 @@ class Config(Section):
                     f"navigation.zones: the one at ({zone.x:g}, {zone.y:g}) leaves the room "
                     f"{navigation.world!r} of {room.width:g} x {room.height:g}; move or shrink it"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _check_reset_free(self) -> Config:
+        settings, flatland, apartment = self.reset_free, self.flatland, self.apartment
+        if settings is None:
+            return self
+        check_defined(settings.agent, flatland.agents, "reset_free.agent", "flatland.agents")
+        worlds = [run.world for run in settings.flatland.values()] + [settings.noise.world]
+        for world in worlds:
+            check_defined(world, flatland.worlds, "reset_free", "flatland.worlds")
+        for run in settings.apartment.values():
+            check_defined(run.robot, apartment.robots, "reset_free.apartment", "apartment.robots")
+            check_defined(run.scene, apartment.scenes, "reset_free.apartment", "apartment.scenes")
         return self
 
     @model_validator(mode="after")
@@ -103,7 +121,8 @@ class Config(Section):
     def digest(self) -> str:
         """SHA-256 of all settings, hexadecimal; independent of how the file is written."""
         sections = self.model_dump(mode="json")
-        if self.atlas is None:
-            del sections["atlas"]  # so that a run without an atlas does not depend on it
+        for section in ("reset_free", "atlas"):
+            if sections[section] is None:
+                del sections[section]  # so that a run without it does not depend on it
         settings = json.dumps(sections, sort_keys=True)
         return hashlib.sha256(settings.encode()).hexdigest()

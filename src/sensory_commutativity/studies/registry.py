@@ -15,9 +15,11 @@ from ..storage.hashing import digest
 from .config import Config
 from .declarations import Animation, Arrays, Figure, Model, Product, Shard, Table
 
-STUDIES = ("flatland", "apartment", "objects", "navigation", "paper", "atlas")
+STUDIES = ("flatland", "apartment", "objects", "navigation", "paper", "reset_free", "atlas")
 OPTIONAL = ("atlas",)
 """Studies that are run by a target of their own."""
+LEFT_OUT_BY_NULL = ("reset_free",)
+"""Studies that a configuration may leave out, by a section that is null."""
 KINDS: dict[type[Product], str] = {
     Table: "table", Arrays: "arrays", Model: "model", Figure: "figure", Animation: "animation"
 }  # fmt: skip
