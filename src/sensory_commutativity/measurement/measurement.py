@@ -215,7 +215,8 @@ class Measurement:
         """
         path = Path(path)
         controlled = has_column(path, CONTROLLED[-1].name)
-        frame = read_table(path, TABLE, CONTROLLED if controlled else COLUMNS)
+        columns = CONTROLLED if controlled else COLUMNS
+        frame = read_table(path, TABLE, columns, require_hash=False)  # earlier versions had none
         metadata = read_metadata(path)
         try:
             contents = json.loads(metadata.pop(TABLE))
