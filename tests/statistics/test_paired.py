@@ -14,10 +14,12 @@ from statsmodels.stats import contingency_tables
 from statsmodels.stats.weightstats import DescrStatsW
 
 from sensory_commutativity.statistics.paired import (
+    equivalence_test,
     holm,
     mcnemar,
     paired_difference_interval,
     paired_means,
+    score_statistic,
 )
 
 
@@ -90,14 +92,17 @@ def test_mcnemar_keeps_its_level():
 # ---- the interval of the difference of proportions -----------------------------------------------
 
 
-def test_difference_interval_by_hand():
-    """With half a pair more in each cell: 5.5 and 1.5 of 12."""
-    middle = 4 / 12
-    half = 1.959963984540054 * math.sqrt(7 - 16 / 12) / 12
-    interval = paired_difference_interval(5, 1, 10)
-    assert interval == pytest.approx((middle - half, middle + half))
-    assert paired_difference_interval(2, 0, 2)[1] == 1.0  # clipped
-    assert paired_difference_interval(0, 2, 2)[0] == -1.0
+def test_difference_interval_without_discordant_pairs_by_hand():
+    z = 1.959963984540054
+    for n in (1, 10, 400):
+        ends = paired_difference_interval(0, 0, n)
+        assert ends == pytest.approx((-(z**2) / (n + z**2), z**2 / (n + z**2)))
+
+
+def test_difference_interval_holds_what_the_score_test_does_not_reject():
+    for counts in ((5, 1, 10), (2, 0, 400), (30, 12, 90)):
+        for end in paired_difference_interval(*counts):
+            assert abs(score_statistic(*counts, end)) == pytest.approx(1.959963984540054)
 
 
 @given(st.integers(0, 50), st.integers(0, 50), st.integers(0, 50))
@@ -107,20 +112,36 @@ def test_difference_interval_holds_the_difference_and_is_antisymmetric(only_a, o
         return
     low, high = paired_difference_interval(only_a, only_b, n)
     assert -1 <= low < high <= 1
-    assert low <= (only_a - only_b) / (n + 2) <= high
+    assert low <= (only_a - only_b) / n <= high
     assert paired_difference_interval(only_b, only_a, n) == pytest.approx((-high, -low))
     wider = paired_difference_interval(only_a, only_b, n, 0.99)
-    assert wider[0] <= low and wider[1] >= high
+    assert wider[0] <= low + 1e-12 and wider[1] >= high - 1e-12
 
 
-def test_difference_interval_has_its_coverage():
-    rng, n = np.random.default_rng(8), 80
-    cells = rng.multinomial(n, [0.3, 0.3, 0.1, 0.3], 4000)  # true difference 0.3 - 0.1
-    inside = 0
-    for _, only_a, only_b, _ in cells:
-        low, high = paired_difference_interval(only_a, only_b, n)
-        inside += low <= 0.2 <= high
-    assert 0.94 < inside / 4000 < 0.965
+@pytest.mark.parametrize(
+    "a, b, n, least, most",
+    [(0.6, 0.4, 80, 0.94, 0.965), (0.995, 1.0, 400, 0.93, 0.99), (0.99, 1.0, 400, 0.925, 0.96),
+     (0.98, 0.98, 400, 0.94, 0.965), (0.9, 0.95, 400, 0.935, 0.96)],
+)  # fmt: skip
+def test_difference_interval_has_its_coverage_also_near_one(a, b, n, least, most):
+    both, rng = a * b, np.random.default_rng(8)
+    cells = rng.multinomial(n, [both, a - both, b - both, max(0, 1 - a - b + both)], 1500)
+    intervals = {}
+    for counts in set(map(tuple, cells[:, 1:3].tolist())):
+        intervals[counts] = paired_difference_interval(*counts, n)
+    inside = [low <= a - b <= high for low, high in (intervals[tuple(c)] for c in
+                                                     cells[:, 1:3].tolist())]  # fmt: skip
+    assert least < np.mean(inside) < most
+
+
+def test_equivalence_is_shown_by_data_within_the_margin_alone():
+    assert equivalence_test(100, 102, 10_000, 0.02) < 1e-6
+    assert equivalence_test(300, 100, 10_000, 0.02) == pytest.approx(0.5, abs=0.01)
+    assert equivalence_test(500, 100, 10_000, 0.02) > 0.99
+    assert equivalence_test(0, 0, 10, 0.02) > 0.1  # ten pairs show nothing
+    assert equivalence_test(5, 9, 400, 0.05) == equivalence_test(9, 5, 400, 0.05)
+    with pytest.raises(ValueError, match="margin"):
+        equivalence_test(1, 1, 10, 0.0)
 
 
 # ---- paired means --------------------------------------------------------------------------------

@@ -214,7 +214,7 @@ def test_absent_unreadable_and_endless_files_are_refused(tmp_path):
     absent = tmp_path / "absent.yaml"
     assert "absent.yaml: there is no such file; give the path" in refusal(lambda: load(absent))
     assert "cannot be read" in refusal(lambda: load(tmp_path))
-    assert "more than 1,000,000 bytes" in refusal(lambda: load("/dev/zero"))
+    assert "a device, not a regular file" in refusal(lambda: load("/dev/zero"))
     file = tmp_path / "secret.yaml"
     file.write_text("seed: 1")
     file.chmod(0)

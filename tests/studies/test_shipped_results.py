@@ -24,7 +24,8 @@ def paper_config() -> Config:
 
 
 def read_shipped(name: str) -> pd.DataFrame:
-    return read_table(TABLES / f"{name}.parquet", name, find_table(name).columns)
+    columns = find_table(name).columns  # written before tables had hashes
+    return read_table(TABLES / f"{name}.parquet", name, columns, require_hash=False)
 
 
 def test_the_first_experiments_of_every_run_in_flatland_are_repeated(paper_config):

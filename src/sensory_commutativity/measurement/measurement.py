@@ -252,7 +252,7 @@ class Measurement:
         path = Path(path)
         kinds = (CONTROLLED, RETURNED)
         columns = next((kind for kind in kinds if has_column(path, kind[-1].name)), COLUMNS)
-        frame = read_table(path, TABLE, columns)
+        frame = read_table(path, TABLE, columns, require_hash=False)  # earlier versions had none
         metadata = read_metadata(path)
         try:
             contents = json.loads(metadata.pop(TABLE))

@@ -90,7 +90,7 @@ def _compare_files(name: str, a: Path, b: Path) -> TableDifference:
 
     columns = find_table(name).columns
     try:
-        table_a, table_b = (read_table(path, name, columns) for path in (a, b))
+        table_a, table_b = (read_table(path, name, columns, require_hash=False) for path in (a, b))
     except UserError as error:
         return TableDifference(name, "unreadable", largest_difference=str(error))
     return compare_tables(name, table_a, table_b, [c.name for c in columns if c.key])

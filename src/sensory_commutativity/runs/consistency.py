@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator
-from pathlib import Path
+from collections.abc import Iterable, Iterator
+from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from ..errors import UserError
@@ -200,7 +200,7 @@ def _find_wrong_files(
     kinds: tuple[type[Table] | type[Arrays] | type[Model], ...] = (Table, Arrays, Model)
     for kind in kinds:
         for product in declarations(kind, optional=config.atlas is not None).values():
-            for shard in _shards(product, config):
+            for shard in _shards(product, config, origins):
                 name = str(product.file(shard))
                 if name not in origins:
                     continue
@@ -209,13 +209,18 @@ def _find_wrong_files(
                     yield Contradiction(name, problem)
 
 
-def _shards(product: Product, config: Config) -> list[Shard | None]:
-    """What may have a file of its own: all of a product, and every shard."""
+def _shards(product: Product, config: Config, names: Iterable[str]) -> list[Shard | None]:
+    """What may have a file of its own among `names`: all of a product, and every shard.
+
+    Shards are listed only if there is a file of one, as listing them may take a second.
+    """
     shards: list[Shard | None] = []
     if product.shards is None or isinstance(product, Table):
         shards.append(None)
     if product.shards is not None:
-        shards += product.shards.all(config)
+        folder = product.file(Shard("any", 0, 0)).parent
+        if any(PurePosixPath(name).parent == folder for name in names):
+            shards += product.shards.all(config)
     return shards
 
 

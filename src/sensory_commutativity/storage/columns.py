@@ -30,6 +30,9 @@ class Column:
     low, high : float, optional
         Range of the values, both ends included; a table with others is refused. Whole numbers are
         counts, lengths and seeds, and none of them is negative.
+    added : bool
+        Whether earlier versions wrote the table without it: if tables without a hash are read at
+        all, its values are then missing.
     """
 
     name: str
@@ -40,6 +43,7 @@ class Column:
     nullable: bool = False
     low: float | None = None
     high: float | None = None
+    added: bool = False
 
     @property
     def lowest(self) -> float | None:

@@ -35,8 +35,8 @@ def check_regular_file(
         raise error(f"{path}: cannot be read: it is {kind}, not a regular file; {remedy}")
     if max_bytes is not None and status.st_size > max_bytes:
         raise error(
-            f"{path}: has {status.st_size:,} bytes, more than the {max_bytes:,} that such a file "
-            f"may have; {remedy}"
+            f"{path}: has {status.st_size:,} bytes, and files of more than {max_bytes:,} bytes "
+            f"are not read; {remedy}"
         )
 
 

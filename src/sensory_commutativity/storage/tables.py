@@ -140,6 +140,9 @@ def _read(path: Path, name: str, columns: Sequence[Column], remedy: str) -> tupl
         names = found.names  # decoded only here
         if names == expected.names and found.types == expected.types:
             return read_bounded_table(content), bool(is_sealed)
+        earlier = arrow_schema(column for column in columns if not column.added)
+        if is_sealed is None and (names, found.types) == (earlier.names, earlier.types):
+            return _add_missing(read_bounded_table(content), expected), False
     except FileNotFoundError:
         raise TableError(
             f"{path}: there is no such table; run the workflow, or give the path of a {name} table"
@@ -157,6 +160,14 @@ def _read(path: Path, name: str, columns: Sequence[Column], remedy: str) -> tupl
     raise TableError(f"{path}: not a {name} table, its columns are {shown:.300}; {remedy}")
 
 
+def _add_missing(table: pa.Table, expected: pa.Schema) -> pa.Table:
+    """A table of an earlier version with the columns that were added since, without values."""
+    for i, field in enumerate(expected):
+        if field.name not in table.schema.names:
+            table = table.add_column(i, field.with_nullable(True), pa.nulls(len(table), field.type))
+    return table
+
+
 def check_values(
     frame: pd.DataFrame, columns: Sequence[Column], path: Path, remedy: str = REMEDY
 ) -> None:
@@ -164,7 +175,7 @@ def check_values(
     for column in columns:
         values = frame[column.name]
         problems = {}
-        if not column.nullable:
+        if not column.nullable and not (column.added and values.isna().all()):
             problems["has no value"] = values.isna()
         if column.lowest is not None:
             problems[f"is below {column.lowest:g}"] = values < column.lowest

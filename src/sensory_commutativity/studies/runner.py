@@ -264,14 +264,15 @@ def _read_input(source: Product, config: Config, paths: list[Path], hashes: dict
     shards = _shards_by_file(source, config)
     for path in paths:
         shard = shards[path.name]
+        again = remedy(source, config, shard)
         if isinstance(source, Arrays):
             from ..storage.arrays import read_array_metadata  # imports h5py
 
-            metadata = read_array_metadata(path, source.name, remedy(source, config, shard))
+            metadata = read_array_metadata(path, source.name, again)
         else:
             from ..storage.checkpoints import load_state  # imports torch
 
-            metadata = load_state(path, remedy(source, config, shard)).get("about", {})
+            metadata = load_state(path, again.removeprefix("delete it and ")).get("about", {})
         check_origin(metadata, source, config, shard, path)
     if len(paths) == 1:
         hashes[str(source.file(shards[paths[0].name]))] = sha256(paths[0])
@@ -280,7 +281,13 @@ def _read_input(source: Product, config: Config, paths: list[Path], hashes: dict
 
 def _shards_by_file(product: Product, config: Config) -> dict[str, Shard | None]:
     """File name -> shard, of all shards; None for a product that has none."""
-    shards = product.shards.all(config) if product.shards is not None else [None]
+    if product.shards is None:
+        return {product.file(None).name: None}
+    runs = product.shards.runs(config)
+    if isinstance(product, Model):  # of all seeds, of which each is one shard
+        shards = [shard for run in runs for shard in product.shards.of_run(config, run)]
+    else:
+        shards = product.shards.all(config)
     return {product.file(shard).name: shard for shard in shards}
 
 

@@ -151,6 +151,7 @@ def turntable(default_config, monkeypatch):
     monkeypatch.setattr(module, "endings_per_dof", endings_per_dof)
     monkeypatch.setattr(module, "build_run_world", lambda config, run: Turntable())
     monkeypatch.setattr(module, "perceptual_features", lambda config: MeanColour())
+    monkeypatch.setattr(module, "count_dofs", lambda settings: {"fetch": 1})
     return with_experiments(default_config, 11, experiments_per_job=6), played
 
 

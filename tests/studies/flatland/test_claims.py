@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from sensory_commutativity.statistics.proportions import wilson_interval
+from sensory_commutativity.studies.claims import VERDICTS
 from sensory_commutativity.studies.flatland.claims import flatland_claims
 from sensory_commutativity.studies.flatland.hierarchy import (
     HIERARCHY,
@@ -96,7 +97,7 @@ VIOLATIONS = [
      "shoulders below elbows"),
     (PAIRS, dict(dof_a="head", dof_b="left-elbow"), dict(difference=-0.1),
      "elbows below head and eyelid"),
-    (PAIRS, dict(dof_a="left-elbow", dof_b="right-elbow"), dict(ci_low=0.01),
+    (PAIRS, dict(dof_a="left-elbow", dof_b="right-elbow"), dict(only_a=180),
      "left and right commute equally"),
     ("flatland_trends", dict(trend="more objects", dof="left-elbow"), dict(effect=0.01),
      "SCP of shoulders and elbows falls with the number of objects"),
@@ -128,12 +129,35 @@ def test_a_claim_fails_if_its_condition_is_violated(tables, tiny_config):
         assert [claim.claim for claim in claims if not claim.holds] == [failing], (values, changes)
 
 
+def test_left_and_right_are_equal_only_if_that_is_shown(tables, tiny_config):
+    """Few starts show no difference, and no equality either."""
+    name = "left and right commute equally"
+
+    def verdict(**values: float) -> str | None:
+        changed = tables[PAIRS].assign(**values)
+        claims = flatland_claims({**tables, PAIRS: changed}, tiny_config)
+        return next(claim.verdict for claim in claims if claim.claim == name)
+
+    assert verdict() == "holds" and verdict(n=20) == "not shown"
+    assert verdict(only_a=800, ci_low=0.07, ci_high=0.09) == "does not hold"
+
+
+def test_every_claim_says_its_rule(tables, tiny_config):
+    for claim in flatland_claims(tables, tiny_config):
+        assert claim.rule and claim.row()["verdict"] in VERDICTS
+    harder = [c for c in flatland_claims(tables, tiny_config) if "harder to predict" in c.claim]
+    assert {c.verdict for c in harder} == {"holds in part"}
+    assert all("no change for 8 of 8" in c.limits for c in harder)
+
+
 def test_a_difference_is_found_in_either_direction():
-    columns = ["dof_a", "dof_b", "difference", "ci_low", "ci_high", "p_adjusted", "n"]
-    rows = [("head", "left-elbow", 0.3, 0.1, 0.4, 0.02, 50), ("head", "eyelid", 0, -0.1, 0.2, 1, 9)]
+    columns = ["dof_a", "dof_b", "difference", "ci_low", "ci_high", "p_adjusted", "n", "only_a",
+               "only_b"]  # fmt: skip
+    rows = [("head", "left-elbow", 0.3, 0.1, 0.4, 0.02, 50, 20, 5),
+            ("head", "eyelid", 0, -0.1, 0.2, 1, 9, 1, 1)]  # fmt: skip
     pairs = pd.DataFrame(rows, columns=columns)
-    assert find_difference(pairs, "head", "left-elbow") == (0.3, 0.1, 0.4, 0.02, 50)
-    assert find_difference(pairs, "left-elbow", "head") == (-0.3, -0.4, -0.1, 0.02, 50)
+    assert find_difference(pairs, "head", "left-elbow") == (0.3, 0.1, 0.4, 0.02, 50, 20, 5)
+    assert find_difference(pairs, "left-elbow", "head") == (-0.3, -0.4, -0.1, 0.02, 50, 5, 20)
 
 
 def test_the_hierarchy_orders_all_dofs_without_a_circle():

@@ -31,6 +31,7 @@ from sensory_commutativity.studies.objects.builders import (
 from sensory_commutativity.studies.objects.pictures import read_examples
 from sensory_commutativity.studies.objects.tables.mask_dof import mask_dof
 from sensory_commutativity.studies.objects.tables.mask_scores import mask_scores
+from sensory_commutativity.studies.registry import find_product
 from tests.studies.examples import overlay, write_frame, write_shards
 
 
@@ -125,7 +126,9 @@ def test_examples_show_the_experiments_that_were_chosen_by_their_scores(
         tuples += write_shards(mask_tuples, config, tmp_path, run, [dof])
     difference = MaskPredictor("difference", None)  # stands in for the trained model
     model = tmp_path / "raft.predictor"
-    difference.save(model, {})
+    product = find_product("mask_predictor")
+    (run,) = product.shards.of_run(config, "raft")
+    difference.save(model, runner.metadata_of(product, config, run))
     monkeypatch.setattr(predictor_module, "load_predictor", lambda *_: difference)
     rows, played = [], {}
     for run in tuple_runs(config).values():

@@ -15,6 +15,7 @@ from sensory_commutativity.change_detection.outcome import OUTCOMES
 from sensory_commutativity.change_detection.simulated.object_experiments import COMPARISONS, KINDS
 from sensory_commutativity.errors import TableError
 from sensory_commutativity.storage.arrays import pack_masks, write_arrays
+from sensory_commutativity.storage.checkpoints import save_state
 from sensory_commutativity.studies import runner
 from sensory_commutativity.studies.config import Config
 from sensory_commutativity.studies.declarations import Table
@@ -24,6 +25,7 @@ from sensory_commutativity.studies.objects.builders import tuple_runs
 from sensory_commutativity.studies.objects.tables.local_scp import local_scp
 from sensory_commutativity.studies.objects.tables.mask_alternatives import mask_alternatives
 from sensory_commutativity.studies.objects.tables.mask_scores import mask_scores
+from sensory_commutativity.studies.registry import find_product
 from tests.studies.examples import overlay
 from tests.studies.objects.examples import DIFFERENT, MOVED
 
@@ -107,11 +109,17 @@ def played(config, tmp_path_factory) -> tuple[dict[str, list[Path]], dict[str, d
     return files, contents
 
 
+def write_predictor(path: Path, config: Config, content: str) -> None:
+    """A file that says that it is the predictor of the run."""
+    product = find_product("mask_predictor")
+    (run,) = product.shards.of_run(config, "raft")
+    save_state(path, {"about": runner.metadata_of(product, config, run), "content": content})
+
+
 @pytest.fixture
-def model(tmp_path) -> Path:
-    path = tmp_path / "raft.predictor"
-    path.write_bytes(b"a predictor")
-    return path
+def model(config, tmp_path) -> Path:
+    write_predictor(tmp_path / "raft.predictor", config, "a predictor")
+    return tmp_path / "raft.predictor"
 
 
 @pytest.fixture
@@ -182,11 +190,11 @@ def test_alternatives_are_those_of_every_experiment(config, played, write, tmp_p
     assert len(correct) and (correct["overlap"] == 0.5).all()
 
 
-def test_another_predictor_starts_over(played, write, model):
+def test_another_predictor_starts_over(config, played, write, model):
     files = played[0]["as-trained"]
     with pytest.raises(Killed):
         write(mask_alternatives, files, Obedient(4))
-    model.write_bytes(b"another predictor")
+    write_predictor(model, config, "another predictor")
     assert write(mask_alternatives, files, Obedient()) == 2 * len(COMPARISONS)
 
 

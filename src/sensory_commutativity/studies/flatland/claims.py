@@ -7,11 +7,16 @@ decided by a rule that was fixed before the run:
   not;
 - an order of SCPs or a trend: every difference or slope has the right sign and a Holm-adjusted
   p-value below ALPHA;
-- left equals right: both 95 % intervals of the paired differences contain 0;
+- left equals right: two one-sided tests show for both pairs that the difference is smaller than
+  flatland.equivalence_margin (p below ALPHA); a difference that is not found is not yet equality;
 - "almost all is 1": every SCP is at least ALMOST_ONE;
 - naive change: the head is among the two highest of the eight;
 - harder to predict: the difference of the mean test errors has the right sign and p below ALPHA,
-  two-sided z-test with sequences as units.
+  two-sided z-test with sequences as units. As one network is trained per degree of freedom, such a
+  claim holds in part at most.
+
+A claim about several things holds in part if it is shown of some of them; it does not hold if the
+opposite is shown, and is not shown otherwise.
 """
 
 from __future__ import annotations
@@ -19,11 +24,16 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from ..claims import Claim, format_p
+from ..claims import Claim, decide, format_p
 from ..config import Config
 from .hierarchy import ALPHA, HIERARCHY, LEFT_AND_RIGHT, STILL, find_difference
 
 ALMOST_ONE = 0.9
+CHOSEN = (
+    "rooms, poses and velocities were chosen on pilots in which the hierarchy shows; with bent "
+    "elbows it disappears (docs/differences.md)"
+)
+"""What limits the claims about the hierarchy."""
 ARMS = ("left-shoulder", "right-shoulder", "left-elbow", "right-elbow")
 
 
@@ -42,7 +52,7 @@ def flatland_claims(tables: dict[str, pd.DataFrame], config: Config) -> list[Cla
     return [
         *_still_and_moving(of_reference(scp).set_index("dof")),
         *[_step(name, steps, pairs) for name, steps in HIERARCHY.items()],
-        _left_equals_right(pairs),
+        _left_equals_right(pairs, config.flatland.equivalence_margin),
         *_appendix_b(scp, tables["flatland_trends"], config),
         _philipona(commutation, reference.world, "where things move by themselves"),
         _philipona(commutation, settled, "where nothing moves by itself"),
@@ -59,13 +69,19 @@ def _still_and_moving(scp: pd.DataFrame) -> list[Claim]:
     lowest = float(still["ci_low"].min())
     measured = f"{int(still['commuted'].sum()):,} of {int(still['n'].sum()):,} commuted"
     highest = others.loc[others["scp"].idxmax()]
+    failing = others["commuted"] < others["n"]
     return [
-        Claim("head and eyelid always commute", "III-C", "SCP = 1", measured, lowest, 1.0, equal),
+        Claim(
+            "head and eyelid always commute", "III-C", "SCP = 1", measured, lowest, 1.0, equal,
+            rule="all of their experiments commuted",
+            limits=f"an SCP above {lowest:.4f} is shown, not 1",
+        ),
         Claim(
             "every other degree of freedom does not", "III-C", "SCP < 1",
             f"highest {highest['scp']:.4f} ({others['scp'].idxmax()})",
-            float(highest["ci_low"]), float(highest["ci_high"]),
-            bool((others["commuted"] < others["n"]).all()),
+            float(highest["ci_low"]), float(highest["ci_high"]), bool(failing.all()),
+            rule="at least one experiment of each did not commute", limits=CHOSEN,
+            verdict=decide(int(failing.sum()), 0, len(failing)),
         ),
     ]  # fmt: skip
 
@@ -74,18 +90,32 @@ def _step(name: str, steps: tuple[tuple[str, str], ...], pairs: pd.DataFrame) ->
     differences = [find_difference(pairs, low, high) for low, high in steps]
     smallest = max(differences, key=lambda d: d.difference)
     largest_p = max(d.p_adjusted for d in differences)
-    holds = all(d.difference < 0 and d.p_adjusted < ALPHA for d in differences)
+    found = [d for d in differences if d.p_adjusted < ALPHA]
+    met = sum(d.difference < 0 for d in found)
     measured = f"smallest difference {smallest.difference:+.4f}, largest {format_p(largest_p)}"
-    return Claim(name, "III-C", "order", measured, smallest.ci_low, smallest.ci_high, holds)
+    return Claim(
+        name, "III-C", "order", measured, smallest.ci_low, smallest.ci_high,
+        met == len(differences),
+        rule=f"every difference has the right sign and an adjusted p below {ALPHA:g}",
+        limits=CHOSEN, verdict=decide(met, len(found) - met, len(differences)),
+    )  # fmt: skip
 
 
-def _left_equals_right(pairs: pd.DataFrame) -> Claim:
+def _left_equals_right(pairs: pd.DataFrame, margin: float) -> Claim:
     differences = [find_difference(pairs, low, high) for low, high in LEFT_AND_RIGHT]
     largest = max(differences, key=lambda d: abs(d.difference))
-    holds = all(d.ci_low <= 0 <= d.ci_high for d in differences)
+    p = max(d.equivalence_p(margin) for d in differences)
+    met = sum(d.equivalence_p(margin) < ALPHA for d in differences)
+    beyond = sum(min(abs(d.ci_low), abs(d.ci_high)) >= margin and d.ci_low * d.ci_high > 0
+                 for d in differences)  # fmt: skip
     return Claim(
         "left and right commute equally", "III-C", "equal",
-        f"largest difference {largest.difference:+.4f}", largest.ci_low, largest.ci_high, holds,
+        f"largest difference {largest.difference:+.4f}; within {margin:g}: largest {format_p(p)}",
+        largest.ci_low, largest.ci_high, met == len(differences),
+        rule=f"two one-sided tests show that both differences are within {margin:g}, p below "
+        f"{ALPHA:g}",
+        limits="equal to within the margin; the paper's bars show no smaller difference",
+        verdict=decide(met, beyond, len(differences)),
     )  # fmt: skip
 
 
@@ -102,6 +132,9 @@ def _appendix_b(scp: pd.DataFrame, trends: pd.DataFrame, config: Config) -> list
                 f"lowest {lowest['scp']:.4f} ({lowest['dof']}, {lowest['agent']})",
                 float(lowest["ci_low"]), float(lowest["ci_high"]),
                 bool((rows["scp"] >= ALMOST_ONE).all()),
+                rule=f"every SCP is at least {ALMOST_ONE:g}",
+                verdict=decide(int((rows["scp"] >= ALMOST_ONE).sum()),
+                               int((rows["ci_high"] < ALMOST_ONE).sum()), len(rows)),
             )
         )  # fmt: skip
     for trend, name, unit in (
@@ -116,8 +149,17 @@ def _appendix_b(scp: pd.DataFrame, trends: pd.DataFrame, config: Config) -> list
         if len(rows):
             largest_p = format_p(rows["p_adjusted"].max())
             measured = f"smallest change {rows['effect'].max():+.4f}{unit}, largest {largest_p}"
-            holds = bool(((rows["effect"] < 0) & (rows["p_adjusted"] < ALPHA)).all())
-            claims.append(Claim(name, "App. B", "falls", measured, None, None, holds))
+            found = rows["p_adjusted"] < ALPHA
+            met, reverse = (
+                int((sign & found).sum()) for sign in (rows["effect"] < 0, rows["effect"] > 0)
+            )
+            claims.append(
+                Claim(
+                    name, "App. B", "falls", measured, None, None, met == len(rows),
+                    rule=f"every change is below 0 with an adjusted p below {ALPHA:g}",
+                    verdict=decide(met, reverse, len(rows)),
+                )
+            )  # fmt: skip
     return claims
 
 
@@ -130,6 +172,8 @@ def _philipona(commutation: pd.DataFrame, world: str, where: str) -> Claim:
         f"lowest {lowest['probability']:.4f} ({lowest['dof_a']}, {lowest['dof_b']})",
         float(lowest["ci_low"]), float(lowest["ci_high"]),
         bool((rows["commuted"] == rows["n"]).all()),
+        rule="all experiments of head or eyelid with any other commuted",
+        limits=f"a probability above {rows['ci_low'].min():.4f} is shown, not 1",
     )  # fmt: skip
 
 
@@ -153,15 +197,23 @@ def _alternatives(baselines: pd.DataFrame, alternatives: pd.DataFrame) -> list[C
             f"{correlation['excess prediction error']}"
         )
         name = f"{dof.replace('-', ' ')} is harder to predict than base longitudinal"
-        holds = difference > 0 and p < ALPHA
-        return Claim(name, "App. A", paper_value, measured, None, None, holds)
+        found = p < ALPHA
+        worse = int((baselines["prediction_mse"] > naive).sum())
+        return Claim(
+            name, "App. A", paper_value, measured, None, None, bool(difference > 0 and found),
+            rule=f"the mean test error is larger, p below {ALPHA:g}, sequences as units",
+            limits="p is conditional on one trained network per degree of freedom; the network is "
+            f"worse than predicting no change for {worse} of {len(baselines)}",
+            verdict=("holds in part" if difference > 0 else "does not hold") if found
+            else "not shown",
+        )  # fmt: skip
 
     return [
         Claim(
             "naive change: the head is among the two highest, though it displaces nothing",
             "App. A", "head changes the view dramatically",
             f"head ranks {rank} of {len(naive)}; {correlation['naive change']}",
-            None, None, rank <= 2,
+            None, None, rank <= 2, rule="the head ranks first or second of the eight",
         ),
         harder("head", "head above base longitudinal"),
         harder("base-rotation", "a great difference"),

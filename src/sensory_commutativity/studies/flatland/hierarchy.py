@@ -29,13 +29,24 @@ LEFT_AND_RIGHT: Pairs = (SHOULDERS, ELBOWS)
 
 
 class Difference(NamedTuple):
-    """SCP of one degree of freedom minus that of another, with its 95 % interval."""
+    """SCP of one degree of freedom minus that of another, with its 95 % interval.
+
+    `only_low` and `only_high` are the starts from which only one of them commuted.
+    """
 
     difference: float
     ci_low: float
     ci_high: float
     p_adjusted: float
     n: int
+    only_low: int
+    only_high: int
+
+    def equivalence_p(self, margin: float) -> float:
+        """p-value that the difference is `margin` or more; see :func:`.paired.equivalence_test`."""
+        from ...statistics.paired import equivalence_test
+
+        return equivalence_test(self.only_low, self.only_high, self.n, margin)
 
 
 def find_difference(comparisons: pd.DataFrame, low: str, high: str) -> Difference:
@@ -47,7 +58,9 @@ def find_difference(comparisons: pd.DataFrame, low: str, high: str) -> Differenc
     row = comparisons[comparisons["dof_a"].isin(pair) & comparisons["dof_b"].isin(pair)].iloc[0]
     if row["dof_a"] == low:
         ends = row["difference"], row["ci_low"], row["ci_high"]
+        only = int(row["only_a"]), int(row["only_b"])
     else:
         ends = -row["difference"], -row["ci_high"], -row["ci_low"]
+        only = int(row["only_b"]), int(row["only_a"])
     difference, low_end, high_end = (float(end) for end in ends)
-    return Difference(difference, low_end, high_end, float(row["p_adjusted"]), int(row["n"]))
+    return Difference(difference, low_end, high_end, float(row["p_adjusted"]), int(row["n"]), *only)

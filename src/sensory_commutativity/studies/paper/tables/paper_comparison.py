@@ -37,7 +37,12 @@ INPUTS = (
             "ci_high", FLOAT, "1", "upper end of the 95 % interval, if the value is one number",
             nullable=True,
         ),
-        Column("holds", BOOL, "", "whether the claim holds in this run"),
+        Column("holds", BOOL, "", "whether the rule is met in this run"),
+        Column("rule", TEXT, "", "the rule, fixed before the run", added=True),
+        Column("limits", TEXT, "", "what the rule does not show; may be empty", added=True),
+        Column(
+            "verdict", TEXT, "", "holds, holds in part, not shown, or does not hold", added=True
+        ),
     ),
     inputs=INPUTS,
     settings=lambda config: [config.flatland, config.apartment, config.masks, config.navigation,
@@ -49,9 +54,7 @@ def paper_comparison(*arguments) -> pd.DataFrame:
     *frames, config = arguments
     tables = dict(zip(INPUTS, frames, strict=True))
     claims = compare_with_paper(tables, config)
-    rows = pd.DataFrame(
-        [claim._asdict() for claim in claims], columns=paper_comparison.column_names
-    )
+    rows = pd.DataFrame([claim.row() for claim in claims], columns=paper_comparison.column_names)
     return rows.astype({"ci_low": float, "ci_high": float})
 
 
