@@ -35,8 +35,8 @@ from sensory_commutativity.storage.checkpoints import (
 )
 from sensory_commutativity.studies.loading import load
 from sensory_commutativity.studies.navigation.builders import trained_policy
-from sensory_commutativity.worlds.apartment.robots.loading import load_robot
 from sensory_commutativity.worlds.apartment.files import find_file
+from sensory_commutativity.worlds.apartment.robots.loading import load_robot
 from sensory_commutativity.worlds.apartment.robots.urdf import RobotError
 from sensory_commutativity.worlds.apartment.robots.urdf_reader import read_urdf
 from sensory_commutativity.worlds.apartment.scenes.scene import SceneError

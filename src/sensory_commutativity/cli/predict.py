@@ -15,7 +15,10 @@ from .options import FILE
 @click.argument("second", type=FILE)
 @click.option("--predictor", type=FILE, help="A trained predictor [default: the package's].")
 @click.option("--out", type=FILE, help="Picture to write [default: SECOND-moved.png].")
-def predict(first: Path, second: Path, predictor: Path | None, out: Path | None) -> None:
+@click.option("--force", is_flag=True, help="Overwrite an existing picture (never an input).")
+def predict(
+    first: Path, second: Path, predictor: Path | None, out: Path | None, force: bool
+) -> None:
     """Find what changed between two pictures of one camera.
 
     Prints the outcome, and writes a picture in which the changes are outlined. The outcome is one
@@ -26,4 +29,4 @@ def predict(first: Path, second: Path, predictor: Path | None, out: Path | None)
         from ..change_detection.predict import predict_files
 
     out = out or second.with_name(f"{second.stem}-moved.png")
-    click.echo(predict_files(first, second, predictor, out))
+    click.echo(predict_files(first, second, predictor, out, force))

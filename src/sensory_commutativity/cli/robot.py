@@ -47,6 +47,8 @@ def init(urdf: str, out: Path | None, name: str | None, force: bool) -> None:
         except FileError as error:
             raise RobotError(f"{urdf}: the file {error}") from None
         out = out or Path(f"{path.stem}.yaml")
+        if out.exists() and out.samefile(path):
+            raise click.UsageError(f"{out}: is the URDF itself; choose another --out")
         if out.exists() and not force:
             raise click.UsageError(f"{out}: exists; choose another --out, or give --force")
         if not out.parent.is_dir():
