@@ -81,7 +81,7 @@ def walk(command: click.Command, path: tuple[str, ...] = ()) -> Iterator[tuple]:
 
 
 def test_every_command_explains_itself_within_80_columns(run):
-    people = {"measure", "check", "predict"}
+    people = {"measure", "check", "predict", "robot"}
     assert set(cli.COMMANDS) == {*KINDS, *people, "config", "run"}
     for path, command in walk(cli.main):
         for flag in ("--help", "-h"):

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..extras import extra_needed
-from .options import FILE
 
 if TYPE_CHECKING:
     from ..worlds.apartment.drafting.probing import DofProbe
+
+FILE: Any = click.Path(dir_okay=False, path_type=Path)
 
 
 @click.group()
