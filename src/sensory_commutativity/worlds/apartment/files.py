@@ -145,10 +145,11 @@ def _locate_package(rest: str, folder: Path) -> Path:
     if found is not None:
         return found
     further = [*_packages_called(package, ancestors), *_ros_packages(package)]
+    further += ancestors[:MAX_DEPTH]  # the package's folder may have another name
     try:
         return _choose([root / inner for root in (*roots, *further)], folder)
     except FileError as error:
-        known = [root for root in (*roots, *further) if root.is_dir()]
+        known = [root for root in (*roots, *further[:-MAX_DEPTH]) if root.is_dir()]
         if known:
             raise
         looked = ", ".join(["the folders above it", *_set_variables(PACKAGE_FOLDERS)])

@@ -125,9 +125,9 @@ def test_what_is_no_urdf_is_told_with_cause_and_remedy(tmp_path):
         "millimetres": (ARM_URDF.replace(".5 .05 .05", "500 50 50"), "are these millimetres?"),
         "far joint": (ARM_URDF.replace("0 0 .5", "0 0 500"), "500 m from its parent"),
         "negative": (ARM_URDF.replace(".3 .3 .2", ".3 .3 -.2"), "negative size"),
-        "lost master": (
-            ARM_URDF.replace("<limit", '<mimic joint="none"/><limit'),
-            "mimics 'none', which does not exist",
+        "mimics itself": (
+            ARM_URDF.replace("<limit", '<mimic joint="turn"/><limit'),
+            "joint 'turn' mimics itself",
         ),
         "pointer": (
             "version https://git-lfs.github.com/spec/v1\noid sha256:0", "is a Git LFS pointer",
@@ -170,7 +170,7 @@ def test_meshes_are_found_where_ros_and_gazebo_find_them(tmp_path, monkeypatch):
     box = trimesh.creation.box((0.1, 0.1, 0.1))
     package = tmp_path / "ws" / "src" / "a-fork" / "meshes"
     package.mkdir(parents=True)
-    box.export(package / "part.stl")
+    box.export(package / "wheel.stl")
     (package.parent / "package.xml").write_text("<package><name>thing</name></package>")
     models = tmp_path / "models"
     (models / "lamp").mkdir(parents=True)
@@ -181,11 +181,12 @@ def test_meshes_are_found_where_ros_and_gazebo_find_them(tmp_path, monkeypatch):
     box.export(own.parent / "meshes" / "part.stl")
     monkeypatch.setenv("GAZEBO_MODEL_PATH", str(models))
     with pytest.raises(RobotError, match="set ROS_PACKAGE_PATH"):
-        read_urdf(write_urdf(own, with_mesh("package://thing/meshes/part.stl")))
+        read_urdf(write_urdf(own, with_mesh("package://thing/meshes/wheel.stl")))
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{tmp_path / 'ws'}")
     for name in (
-        "package://thing/meshes/part.stl",
-        "package://thing//meshes/part.stl",
+        "package://thing/meshes/wheel.stl",
+        "package://thing//meshes/wheel.stl",
+        "package://own_description/meshes/part.stl",  # a folder that was renamed
         "model://lamp/part.stl",
         "../meshes/part.stl",
         "meshes/part.stl",
@@ -295,6 +296,12 @@ def test_a_joint_that_mimics_another_follows_it(tmp_path):
     assert not robot.followers and robot.ratio_of_joint["grip2"] == 3
     alone = load_robot(write_robot(tmp_path, {}, GRIPPER_URDF))
     assert alone.fixed_position(alone.urdf.joints["grip2"]) == pytest.approx(0.01)
+
+
+def test_a_joint_that_mimics_nothing_moves_by_itself(tmp_path):
+    text = ARM_URDF.replace("<limit", '<mimic joint="gone"/><limit')
+    robot = load_robot(write_robot(tmp_path, {}, text))
+    assert robot.urdf.joints["turn"].mimic is None and "'gone'" in robot.urdf.notes[0]
 
 
 def test_limits_that_are_both_zero_are_told(tmp_path):
