@@ -45,6 +45,7 @@ def test_the_first_example_needs_no_extra(tmp_path: Path) -> None:
     [
         ("measure flatland", "flatland"),
         ("measure --robot fetch", "apartment"),
+        ("robot init a.urdf", "apartment"),
         ("measure corridor --distance vgg16", "change-detection"),
         ("measure Pendulum-v1", "environments"),
         ("predict a.png b.png", "change-detection"),

@@ -9,7 +9,8 @@ from .errors import MissingExtraError
 
 EXTRAS = {
     "flatland": ("numba", "pymunk", "gymnasium"),
-    "apartment": ("pybullet", "trimesh", "fast_simplification", "gymnasium_robotics"),
+    "apartment": ("pybullet", "trimesh", "fast_simplification", "gymnasium_robotics", "collada"),
+    "xacro": ("xacro",),
     "environments": ("mujoco", "panda_gym", "shimmy", "dm_control", "Box2D", "pygame"),
     "change-detection": ("torch", "torchvision", "h5py", "onnx"),
     "navigation": ("stable_baselines3", "sb3_contrib"),

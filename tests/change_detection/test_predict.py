@@ -10,12 +10,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sensory_commutativity.change_detection.predict import predict_files, resize_to_training
+from sensory_commutativity.change_detection.predict import (
+    predict_files,
+    read_picture,
+    read_pictures,
+    resize_to_training,
+)
 from sensory_commutativity.change_detection.predictor import (
     MaskPredictor,
     Prediction,
     PredictorError,
 )
+from sensory_commutativity.errors import UserError
 from tests.change_detection.examples import make_pairs
 
 PAPER_RAFT = Path(__file__).resolve().parents[2] / "results/paper/models/masks/raft.predictor"
@@ -110,3 +116,58 @@ def test_the_trained_predictor_of_the_repository_finds_what_moved(tmp_path):
     pixels = [int(number) for number in re.findall(r"(\d+) (?:pixels )?in", moved)]
     assert len(pixels) == 2
     assert all(7_000 < n < 11_500 for n in pixels), moved  # the object has 9,000
+
+
+def grey_picture(seed: int = 0) -> np.ndarray:
+    """A grey picture of 64 x 80 pixels in [0, 1] that uses the whole range."""
+    ramp = np.linspace(0, 1, 80)[None, :] * np.linspace(0.2, 1, 64)[:, None]
+    return np.clip(ramp + np.random.default_rng(seed).normal(0, 0.02, ramp.shape), 0, 1) / 1.0
+
+
+def test_pictures_of_any_depth_are_scaled_by_their_range(tmp_path):
+    grey = grey_picture()
+    grey[0, 0], grey[0, 1] = 0.0, 1.0
+    depths = {
+        "8.png": (grey * 255).round().astype(np.uint8),
+        "12.png": (grey * 4095).round().astype(np.uint16),
+        "16.png": (grey * 65535).round().astype(np.uint16),
+        "float.tiff": grey.astype(np.float32),
+        "float-255.tiff": (grey * 255).astype(np.float32) + np.float32(1e-4) * (grey < 0.5),
+    }
+    for name, pixels in depths.items():
+        Image.fromarray(pixels).save(tmp_path / name)
+        read = read_picture(tmp_path / name)
+        assert read.shape == (64, 80, 3) and read.dtype == np.uint8
+        assert np.abs(read[..., 0] - grey * 255).max() <= 1.0, name
+
+
+def test_both_pictures_of_a_pair_are_scaled_alike(tmp_path):
+    grey = grey_picture() * 0.9
+    for name, factor in (("a.png", 20_000), ("b.png", 30_000), ("dark.png", 500)):
+        Image.fromarray((grey * factor).astype(np.uint16)).save(tmp_path / name)
+    first, second = read_pictures(tmp_path / "a.png", tmp_path / "b.png")
+    assert second.mean() / first.mean() == pytest.approx(1.5, rel=0.02)
+    with pytest.raises(UserError, match="of different depths"):
+        read_pictures(tmp_path / "a.png", tmp_path / "dark.png")
+    Image.fromarray(np.full((64, 80), np.nan, np.float32)).save(tmp_path / "nan.tiff")
+    with pytest.raises(UserError, match="not finite"):
+        read_picture(tmp_path / "nan.tiff")
+
+
+def test_an_input_is_never_overwritten_and_an_output_only_if_asked(predictor, tmp_path):
+    first, second, link = (tmp_path / name for name in ("a.png", "b.png", "link.png"))
+    for path in (first, second):
+        Image.new("RGB", (128, 128), (90, 80, 70)).save(path)
+    link.symlink_to(second)
+    for out in (first, second, link, tmp_path / "." / "a.png"):
+        for overwrite in (True, False):
+            with pytest.raises(PredictorError, match="is an input"):
+                predict_files(first, second, predictor, out, overwrite)
+    with pytest.raises(PredictorError, match="is an input"):
+        predict_files(first, second, predictor, predictor)
+    assert Image.open(first).size == (128, 128)
+    out = tmp_path / "out.png"
+    out.write_text("mine")
+    with pytest.raises(PredictorError, match=r"exists; .* --force"):
+        predict_files(first, second, predictor, out, overwrite=False)
+    assert out.read_text() == "mine"

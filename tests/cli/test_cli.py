@@ -13,6 +13,7 @@ from typing import NamedTuple
 import click
 import pytest
 import yaml
+from PIL import Image
 
 from sensory_commutativity import cli
 from sensory_commutativity.errors import UserError
@@ -80,7 +81,7 @@ def walk(command: click.Command, path: tuple[str, ...] = ()) -> Iterator[tuple]:
 
 
 def test_every_command_explains_itself_within_80_columns(run):
-    people = {"measure", "check", "predict"}
+    people = {"measure", "check", "predict", "robot"}
     assert set(cli.COMMANDS) == {*KINDS, *people, "config", "run"}
     for path, command in walk(cli.main):
         for flag in ("--help", "-h"):
@@ -169,6 +170,21 @@ def test_environments_and_robots_are_measured(run):
     assert "worlds: corridor, flatland" in run("measure", "--list").out
 
 
+def test_a_robot_of_one_s_own_needs_no_yaml_edited(run, tmp_path):
+    husky = "package://pybullet_data/husky/husky.urdf"
+    result = run("robot", "init", husky, "--out", "mine.yaml")
+    assert result.code == 0 and "2 degrees of freedom" in result.out
+    assert run("robot", "init", husky, "--out", "mine.yaml").code == 2  # it exists
+    assert run("robot", "init", husky, "--out", "mine.yaml", "--force").code == 0
+    result = run("robot", "check", "mine.yaml", "--draw", "mine.png", "-n", "1")
+    assert result.code == 0 and "100%" in result.out, result
+    assert Image.open(tmp_path / "mine.png").width > 800
+    result = run("measure", "--robot", "mine.yaml", "--scene", "free-space", "-n", "1", "--length",
+                 "2", "-o", "image_size=32")  # fmt: skip
+    assert result.code == 0 and "rear-left-wheel" in result.out and not result.err
+    assert run("robot", "check", "mine.yaml", "--draw", "mine.png").code == 2  # it exists
+
+
 def test_verbose_shows_where_an_error_arose(run):
     assert run("measure", "corridr").code == 2
     with pytest.raises(UserError):
@@ -248,6 +264,16 @@ ERRORS = {
     SCP + "gone/flatland_experiments.parquet": "flatland_experiments.parquet: there is no such",
     "table flatland_experiments --config {tiny}": "polyphemus.4.1-of-2.parquet: there is no such",
     "predict a.png b.png": "a.png: there is no such file",
+    "robot init": "Missing argument 'URDF'",
+    "robot init gone.urdf": "gone.urdf: the file does not exist",
+    "robot init package://pybullet_data/gone.urdf": "the file does not exist",
+    "robot init broken.yaml --out a.yaml": "not valid XML in line 1",
+    "robot init broken.yaml": "broken.yaml: is the URDF itself; choose another --out",
+    "robot init package://pybullet_data/plane.urdf": "are these millimetres?",
+    "robot init package://pybullet_data/cube.urdf": "no joint of it can move",
+    "robot check gone.yaml": "gone.yaml: there is no such file",
+    "robot check broken.yaml --draw a.doc": "expected a name that ends in .png",
+    "robot check broken.yaml": "broken.yaml: not valid YAML",
     "run compare gone folder": "'gone' does not exist",
     "run provenance gone.parquet": "gone.parquet: there is no such file",
 }  # fmt: skip

@@ -21,6 +21,7 @@ from sensory_commutativity.studies.loading import (
     json_schema,
     load,
     merge,
+    remove_keys,
     validate,
     write_resolved,
 )
@@ -177,11 +178,30 @@ def test_merge_examples():
         ({"a": [1, 2]}, {"a": [3]}, {"a": [3]}),
         ({"a": {"b": {"c": 1}}}, {"a": {"b": {"d": 2}}}, {"a": {"b": {"c": 1, "d": 2}}}),
         ({"a": {"b": 1}}, {"a": None}, {"a": None}),
+        ({"a": {"b": {"c": 1}}}, {"a": {"b": {}}}, {"a": {"b": {}}}),
     )
     for base, overlay, merged in cases:
         arguments = copy.deepcopy((base, overlay))
         assert merge(base, overlay) == merged
         assert (base, overlay) == arguments  # merge does not modify them
+
+
+def test_an_overlay_can_remove_keys(default_settings):
+    assert default_settings["masks"]["fixed"]
+    for nothing in ({}, None):
+        overlay = {"masks": {"fixed": nothing}, "apartment": {"robots": {"jackrabbot": None}}}
+        overlay["apartment"] |= {"robots_compared": {"robots": []}}
+        for group in ("scenes_compared", "free_space", "within_reach"):
+            overlay["apartment"][group] = {"robots": ["fetch"]}
+        config = validate(merge(default_settings, overlay))
+        assert config.masks.fixed == {} and list(config.apartment.robots) == ["fetch"]
+
+
+def test_what_snakemake_merged_loses_the_keys_that_an_overlay_removes():
+    base, overlay = {"a": {"b": {"c": 1}, "d": 2}}, {"a": {"b": {}}}
+    assert remove_keys({"a": {"b": {"c": 1}, "d": 2}}, [base, overlay]) == {"a": {"b": {}, "d": 2}}
+    from_command_line = {"a": {"b": {"c": 5}, "d": 2}, "e": 3}
+    assert remove_keys(from_command_line, [base, overlay]) == from_command_line
 
 
 trees = st.recursive(

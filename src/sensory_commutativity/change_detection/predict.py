@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -16,6 +17,7 @@ from ..storage.atomic import atomic_write
 from ..storage.pictures import MAX_ELONGATION, read_photo
 from .decision import MASK_THRESHOLD
 from .outcome import Outcome
+from .picture_depth import to_8_bit
 from .predictor import MaskPredictor, PredictorError, check_same_size, load_predictor
 from .tta import MIN_SIDE, SIDE_MULTIPLE
 
@@ -69,7 +71,10 @@ def predict_change(
         If a file is not a picture, or if the pictures differ in size or are too small.
     """
     loaded = _load_predictor(Path(predictor) if predictor is not None else shipped_predictor())
-    pictures = [_as_picture(*pair) for pair in (("before", before), ("after", after))]
+    if isinstance(before, str | Path) and isinstance(after, str | Path):
+        pictures = read_pictures(Path(before), Path(after))
+    else:
+        pictures = [_as_picture(*pair) for pair in (("before", before), ("after", after))]
     check_same_size(*pictures)
     prediction = loaded.predict(*(resize_to_training(picture) for picture in pictures))
     sides = pictures[0].shape[:2]
@@ -80,7 +85,9 @@ def predict_change(
     return Change(prediction.outcome, masks)
 
 
-def predict_files(first: Path, second: Path, predictor: Path | None, out: Path) -> str:
+def predict_files(
+    first: Path, second: Path, predictor: Path | None, out: Path, overwrite: bool = True
+) -> str:
     """Predict what changed between two picture files.
 
     Parameters
@@ -88,7 +95,9 @@ def predict_files(first: Path, second: Path, predictor: Path | None, out: Path) 
     first, second, predictor
         As for :func:`predict_change`.
     out : Path
-        PNG file to write: both pictures side by side, with outlined masks.
+        PNG file to write: both pictures side by side, with outlined masks. Never one of the inputs.
+    overwrite : bool
+        Whether `out` may exist.
 
     Returns
     -------
@@ -99,7 +108,8 @@ def predict_files(first: Path, second: Path, predictor: Path | None, out: Path) 
     ------
     PredictorError
     """
-    pictures = before, after = read_picture(first), read_picture(second)
+    _check_output(out, (first, second, predictor), overwrite)
+    pictures = before, after = read_pictures(first, second)
     change = predict_change(before, after, predictor)
     pixels = ""
     if change.outcome == "moved":
@@ -109,6 +119,17 @@ def predict_files(first: Path, second: Path, predictor: Path | None, out: Path) 
     with atomic_write(out) as temporary:
         Image.fromarray(np.concatenate(outlined, axis=1)).save(temporary, format="PNG")
     return f"{_DESCRIPTIONS[change.outcome]}{pixels}; see {out}"
+
+
+def _check_output(out: Path, inputs: Sequence[Path | None], overwrite: bool) -> None:
+    """Raise PredictorError if writing `out` would destroy an input, or another file unasked."""
+    if not out.exists():
+        return
+    for path in inputs:
+        if path is not None and path.exists() and out.samefile(path):
+            raise PredictorError(f"{out}: is an input and would be overwritten; choose another out")
+    if not overwrite:
+        raise PredictorError(f"{out}: exists; choose another out, or overwrite it with --force")
 
 
 def shipped_predictor() -> Path:
@@ -136,11 +157,20 @@ def _as_picture(name: str, picture: np.ndarray | str | Path) -> np.ndarray:
 
 
 def read_picture(path: Path) -> np.ndarray:
-    """Read a PNG or JPEG file as RGB, upright by its EXIF tag: uint8 (h, w, 3).
+    """Read a PNG, JPEG or TIFF file as RGB, upright by its EXIF tag: uint8 (h, w, 3).
 
-    Raises PredictorError if the file is missing, too large, or of another format.
+    Raises
+    ------
+    PredictorError
+        If the file is missing, too large, or of another format.
     """
-    return read_photo(path, PredictorError)
+    return to_8_bit([read_photo(path, PredictorError)], [str(path)])[0]
+
+
+def read_pictures(first: Path, second: Path) -> list[np.ndarray]:
+    """As :func:`read_picture`, for a pair: pictures of more than 8 bits are scaled alike."""
+    photos = [read_photo(path, PredictorError) for path in (first, second)]
+    return to_8_bit(photos, [str(first), str(second)])
 
 
 def resize_to_training(picture: np.ndarray) -> np.ndarray:

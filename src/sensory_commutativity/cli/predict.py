@@ -16,19 +16,22 @@ from .options import FILE
 @click.argument("second", type=FILE)
 @click.option("--predictor", type=FILE, help="A trained predictor [default: the package's].")
 @click.option("--out", type=FILE, help="Picture to write [default: SECOND-moved.png].")
-def predict(first: Path, second: Path, predictor: Path | None, out: Path | None) -> None:
+@click.option("--force", is_flag=True, help="Overwrite an existing picture (never an input).")
+def predict(
+    first: Path, second: Path, predictor: Path | None, out: Path | None, force: bool
+) -> None:
     """Find what changed between two pictures of one camera.
 
     Prints the outcome, and writes a picture in which the changes are outlined. The outcome is one
     of three: the same view, another view, or the same view in which objects moved. FIRST and SECOND
-    are PNG or JPEG files of the same size, at least 64 pixels per side.
+    are PNG, JPEG or TIFF files of the same size, at least 64 pixels per side.
     """
     check_inputs(first, second, predictor)
     with extra_needed("change-detection"):
         from ..change_detection.predict import predict_files
 
     out = out or second.with_name(f"{second.stem}-moved.png")
-    click.echo(predict_files(first, second, predictor, out))
+    click.echo(predict_files(first, second, predictor, out, force))
 
 
 def check_inputs(first: Path, second: Path, predictor: Path | None) -> None:

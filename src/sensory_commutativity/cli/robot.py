@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..extras import extra_needed
-from .options import FILE
 
 if TYPE_CHECKING:
     from ..worlds.apartment.drafting.probing import DofProbe
+
+FILE: Any = click.Path(dir_okay=False, path_type=Path)
 
 
 @click.group()
@@ -47,6 +48,8 @@ def init(urdf: str, out: Path | None, name: str | None, force: bool) -> None:
         except FileError as error:
             raise RobotError(f"{urdf}: the file {error}") from None
         out = out or Path(f"{path.stem}.yaml")
+        if out.exists() and out.samefile(path):
+            raise click.UsageError(f"{out}: is the URDF itself; choose another --out")
         if out.exists() and not force:
             raise click.UsageError(f"{out}: exists; choose another --out, or give --force")
         if not out.parent.is_dir():

@@ -19,7 +19,7 @@ from .files import check_regular_file, printable
 
 FORMATS = {".png": ("PNG",), ".gif": ("GIF",), ".jpg": ("JPEG",), ".jpeg": ("JPEG",)}
 """Suffix -> formats of the figures of a run."""
-PHOTOS = ("PNG", "JPEG")
+PHOTOS = ("PNG", "JPEG", "TIFF")
 """Formats of pictures that people give."""
 MAX_BYTES = 200_000_000
 """Size of a file; chosen: ten times that of a large photograph."""
@@ -72,18 +72,24 @@ def open_picture(
 
 
 def read_photo(path: Path, error: type[UserError] = PictureError) -> np.ndarray:
-    """Read a PNG or JPEG file as RGB, upright by its EXIF tag: uint8 (h, w, 3).
+    """Read a PNG, JPEG or TIFF file, upright by its EXIF tag.
+
+    Returns uint8 (h, w, 3), RGB, or float64 (h, w) of a grey picture of more than 8 bits, which
+    Pillow would cut off at 255.
 
     Raises `error` if the file is missing, too large, too long, damaged, or of another format.
     """
-    with open_picture(path, PHOTOS, "give a PNG or JPEG file", error) as picture:
+    with open_picture(path, PHOTOS, "give a PNG, JPEG or TIFF file", error) as picture:
         shorter, longer = sorted(picture.size)
         if longer > MAX_ELONGATION * shorter:
             raise error(
                 f"{path}: has {picture.width:,} x {picture.height:,} pixels; no side may be longer "
                 f"than {MAX_ELONGATION} times the other: crop it"
             )
-        return np.asarray(ImageOps.exif_transpose(picture).convert("RGB"))
+        upright = ImageOps.exif_transpose(picture)
+        if upright.mode == "F" or upright.mode.startswith("I"):
+            return np.asarray(upright).astype(np.float64)
+        return np.asarray(upright.convert("RGB"))
 
 
 def check_picture(path: Path, remedy: str) -> None:

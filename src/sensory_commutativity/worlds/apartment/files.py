@@ -121,11 +121,15 @@ def locate(name: str, folder: Path) -> Path:
 
 
 def _spellings(folder: Path, name: str) -> Iterator[Path]:
-    """Other ways to write the same path: of Windows, and as a URL."""
+    """Other ways to read the same name: of Windows, as a URL, from the folders above."""
     if "\\" in name:
         yield folder / name.replace("\\", "/")
     if "%" in name:
         yield folder / unquote(name)
+    if "/" in name.replace("\\", "/") and not name.startswith(("/", ".")):
+        # PyBullet has search paths, and the folders urdf and meshes are often beside each other.
+        for parent in list(folder.resolve().parents)[:2]:
+            yield parent / name.replace("\\", "/")
 
 
 def _locate_package(rest: str, folder: Path) -> Path:
@@ -141,10 +145,11 @@ def _locate_package(rest: str, folder: Path) -> Path:
     if found is not None:
         return found
     further = [*_packages_called(package, ancestors), *_ros_packages(package)]
+    further += ancestors[:MAX_DEPTH]  # the package's folder may have another name
     try:
         return _choose([root / inner for root in (*roots, *further)], folder)
     except FileError as error:
-        known = [root for root in (*roots, *further) if root.is_dir()]
+        known = [root for root in (*roots, *further[:-MAX_DEPTH]) if root.is_dir()]
         if known:
             raise
         looked = ", ".join(["the folders above it", *_set_variables(PACKAGE_FOLDERS)])

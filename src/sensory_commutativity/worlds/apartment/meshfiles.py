@@ -138,12 +138,15 @@ def _read(
     resolver = _Resolver(path.parent)
     given: Any = resolver
     logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # it tells in lines of its own
+    kind = path.suffix[1:].lower()
     try:
         with path.open("rb") as file:
-            scene: Any = trimesh.load_scene(
-                file, file_type=path.suffix[1:].lower(), resolver=given, process=False
-            )
+            scene: Any = trimesh.load_scene(file, file_type=kind, resolver=given, process=False)
         meshes = _list_meshes(scene)
+        if not meshes and kind == "dae":  # pycollada leaves out what has a broken material
+            plain = io.BytesIO(_without_materials(path.read_bytes()))
+            scene = trimesh.load_scene(plain, file_type=kind, resolver=given, process=False)
+            meshes = _list_meshes(scene)
     except ModuleNotFoundError:
         raise FileError(
             "needs the package pycollada; run pip install 'sensory-commutativity[apartment]'"
@@ -263,6 +266,18 @@ def _check_gltf(content: dict[str, Any]) -> None:
     counts = [accessor.get("count") for accessor in accessors if isinstance(accessor, dict)]
     if any(not isinstance(count, int) or count > 4 * MAX_FACES for count in counts):
         raise FileError(f"has more than {MAX_FACES:,} faces, or is damaged; simplify it first")
+
+
+def _without_materials(content: bytes) -> bytes:
+    """A Collada file whose meshes name no materials."""
+    parts, position, closing = [], 0, b"</bind_material>"
+    while (start := content.find(b"<bind_material", position)) >= 0:
+        end = content.find(closing, start)
+        if end < 0:
+            break
+        parts.append(content[position:start])
+        position = end + len(closing)
+    return b"".join([*parts, content[position:]])
 
 
 def _collada_unit(path: Path) -> float:

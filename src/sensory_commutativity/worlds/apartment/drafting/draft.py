@@ -41,6 +41,11 @@ CENTRES = 40
 ENOUGH_FREE = 0.5
 """Share of the starts that must touch nothing. Chosen."""
 
+LEGS = {"hip", "thigh", "calf", "ankle"}
+"""Groups of joints of a robot that stands on legs."""
+FLOOR = "(floor)"
+"""Stands for the floor among links; no link has this name."""
+
 
 @dataclass
 class Draft:
@@ -104,8 +109,17 @@ def draft_robot(path: Path, out: Path, name: str | None = None) -> Draft:
     settings["start"] = {g.joint.name: list(g.start) for g in guesses if g.start is not None}
     if not settings["start"]:
         del settings["start"]
-    _Trial(draft, guesses, out.resolve().parent, str(out)).improve()
-    _add_height(draft, out.resolve().parent, str(out))
+    folder, where = out.resolve().parent, str(out)
+    on_legs = bool(groups & LEGS)
+    if drive is None and not on_legs:
+        _stand_on_base(draft, folder, where)
+    free, on_floor = _Trial(draft, guesses, folder, where, lifted=on_legs).improve()
+    if drive is None and (on_legs or (free < ENOUGH_FREE and on_floor > 0)):
+        _hang_above_floor(draft, folder, where, on_legs)
+        if not on_legs:
+            free, _ = _Trial(draft, guesses, folder, where, lifted=True).improve()
+    if free < 0.1:
+        draft.notes.append(f"only {free:.0%} of the start positions touch nothing; set start")
     return draft
 
 
@@ -161,18 +175,24 @@ def _add_drive(draft: Draft, urdf: Urdf, drive: Drive) -> None:
 class _Trial:
     """Tries a draft in free space, and improves its pairs of links and its start ranges."""
 
-    def __init__(self, draft: Draft, guesses: list[JointGuess], folder: Path, where: str):
+    def __init__(
+        self, draft: Draft, guesses: list[JointGuess], folder: Path, where: str, lifted: bool
+    ):
         self._draft, self._folder, self._where = draft, folder, where
         self._guesses = [guess for guess in guesses if guess.start is not None]
-        # High above the floor, so that only the robot itself is in its way.
-        self._lifted = {**draft.settings, "height": 30.0}
-        self._robot = parse_robot(self._lifted, folder, where)
+        # High above the floor, only the robot itself is in its way.
+        height = {"height": 30.0} if lifted else {}
+        self._robot = parse_robot({**draft.settings, **height}, folder, where)
         self._simulation = Simulation(empty_floor("free-space"), self._robot)
         self._rng = generator(0, "draft")
 
-    def improve(self) -> None:
+    def improve(self) -> tuple[float, float]:
+        """Add passing pairs, and better starts.
+
+        Returns the share of the starts that touch nothing, and of those that touch the floor.
+        """
         settings, comments = self._draft.settings, self._draft.comments
-        passing, touching = self._find_passing()
+        passing, on_floor = self._find_passing()
         if passing:
             settings["passing"] = [list(pair) for pair in passing]
         comments.update({f"{a} {b}": f"touch in {share:.0%}" for (a, b), share in passing.items()})
@@ -180,15 +200,10 @@ class _Trial:
         if free < ENOUGH_FREE:
             free = self._move_starts(set(passing), free)
         self._simulation.close()
-        if free < 0.1:
-            often = ", ".join(f"{a} - {b} ({share:.0%})" for (a, b), share in touching[:3])
-            self._draft.notes.append(
-                f"only {free:.0%} of the start positions touch nothing (most often {often}); "
-                "set start"
-            )
+        return free, on_floor
 
-    def _find_passing(self) -> tuple[dict, list]:
-        """Pairs that touch in nearly all poses, and the others, most often first, with shares."""
+    def _find_passing(self) -> tuple[dict[tuple[str, str], float], float]:
+        """Pairs of links that touch in nearly all poses, with shares; share of floor contacts."""
         start: Counter[tuple[str, str]] = Counter()
         anywhere: Counter[tuple[str, str]] = Counter()
         for _ in range(POSES):
@@ -201,9 +216,8 @@ class _Trial:
             pair: share for pair, share in sorted(shares.items())
             if share >= ALWAYS and low[pair] >= 1 - ALWAYS
         }  # fmt: skip
-        others = [(pair, start[pair] / POSES) for pair, _ in start.most_common()
-                  if pair not in passing]  # fmt: skip
-        return passing, others
+        on_floor = sum(count for pair, count in start.items() if FLOOR in pair) / POSES
+        return {pair: share for pair, share in passing.items() if FLOOR not in pair}, on_floor
 
     def _anywhere(self) -> dict[str, float]:
         """Random positions within the limits."""
@@ -216,13 +230,13 @@ class _Trial:
         return positions
 
     def _touching(self, positions: Mapping[str, float]) -> set[tuple[str, str]]:
-        """Pairs of links that touch at `positions`, or at a random start."""
+        """Pairs of links, or a link and the floor, that touch at `positions` or a random start."""
         joints = self._robot.draw_joints(self._rng)
         for i, joint in enumerate(self._robot.joints):
             joints[i] = positions.get(joint.name, joints[i])
         self._simulation.fits(np.zeros(3), self._robot.clip_joints(joints))
         pairs = self._simulation.collisions.penetrating_pairs()
-        return {(a, b) for a, kind, b in pairs if kind == "link"}
+        return {(a, b if kind == "link" else FLOOR) for a, kind, b in pairs}
 
     def _share_free(self, passing: set, centre: Mapping[str, float], draws: int = 40) -> float:
         free = 0
@@ -263,29 +277,29 @@ class _Trial:
         return best
 
 
-def _add_height(draft: Draft, folder: Path, where: str) -> None:
-    """Let the lowest point of the base stand on the floor, or hang a robot with legs above it."""
-    if "drive" in draft.settings:
-        return
+def _stand_on_base(draft: Draft, folder: Path, where: str) -> None:
+    """Let the lowest point of what does not move stand on the floor."""
+    robot = parse_robot(draft.settings, folder, where)
+    base, _ = _lowest_points(robot, robot.start_ranges.mean(1))
+    if base is not None and abs(base) > 0.005:
+        draft.settings["height"] = round(-base + 0.001, 3)
+        draft.comments["height"] = "metres from the floor to the root link, by its lowest shape"
+
+
+def _hang_above_floor(draft: Draft, folder: Path, where: str, on_legs: bool) -> None:
+    """Hold a robot so high that no motion from a start reaches the floor."""
     robot = parse_robot(draft.settings, folder, where)
     rng = generator(0, "height")
-    base, moved = _lowest_points(robot, robot.start_ranges.mean(1))
-    if base is None and moved is None:
-        return
-    low = base if base is not None else moved
-    assert low is not None
-    if moved is not None and moved < low - 0.01:  # stands on what moves: on legs
-        reach = [
-            _lowest_points(robot, robot.clip_joints(_excursion(robot, rng)))[1] for _ in range(40)
-        ]
-        low = min(value for value in (*reach, moved) if value is not None) - 0.02
-        draft.notes.append(
-            "its lowest links move (legs): the body is held still, and the feet hang above the "
-            "floor, so the SCP is that of the legs' motion in the air"
-        )
-    if abs(low) > 0.005:
-        draft.settings["height"] = round(-low + 0.001, 3)
-        draft.comments["height"] = "metres from the floor to the root link, by the lowest shape"
+    lowest: list[float] = []
+    for _ in range(40):
+        points = _lowest_points(robot, robot.clip_joints(_excursion(robot, rng)))
+        lowest += [point for point in points if point is not None]
+    draft.settings["height"] = round(-min(lowest, default=0.0) + 0.02, 3)
+    draft.comments["height"] = "metres from the floor to the root link: hangs above the floor"
+    what = "stands on legs: its body is held still" if on_legs else "reaches below its base"
+    draft.notes.append(
+        f"{what}, so it hangs above the floor, and the SCP is that of motions in the air"
+    )
 
 
 def _excursion(robot: Robot, rng: np.random.Generator) -> np.ndarray:

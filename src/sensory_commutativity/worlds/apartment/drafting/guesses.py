@@ -121,7 +121,7 @@ def guess_start(joint: Joint, velocity: float, centre: float = 0.0) -> tuple[flo
     if not np.isfinite(joint.upper - joint.lower):
         return -0.5 + centre, 0.5 + centre
     low, high = allowed_start(joint, velocity)
-    half = 0.1 * (joint.upper - joint.lower)
+    half = min(0.1 * (joint.upper - joint.lower), 0.6)
     middle = min(max(centre, low + min(half, (high - low) / 2)), high - min(half, (high - low) / 2))
     return _inside(max(low, middle - half), joint), _inside(min(high, middle + half), joint)
 

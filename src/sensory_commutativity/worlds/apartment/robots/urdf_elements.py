@@ -16,7 +16,7 @@ from ..scenes.scene import Vector
 from .urdf import Joint, JointKind, Link, Mimic, RobotError, Shape, ShapeKind
 from .xacro_files import REMEDY, find_expression
 
-MAX_LENGTH = 20.0
+MAX_LENGTH = 50.0
 """Metres: longest shape of a link, and distance between joints; chosen: larger than every robot."""
 OTHER_JOINTS = {
     "planar": "replace it by two prismatic joints and a continuous one; a base that wheels move "
@@ -246,7 +246,7 @@ class ElementReader:
         """Return the `count` finite numbers of an attribute; `default` if it is missing."""
         text = default if element is None or element.get(key) is None else element.get(key)
         try:
-            values = tuple(float(part) for part in (text or "").split())
+            values = tuple(float(part) for part in (text or "").replace(",", " ").split())
         except ValueError:
             values = ()
         if len(values) != count or not all(map(math.isfinite, values)):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 from ..files import FileError
@@ -62,7 +63,7 @@ def read_urdf(path: Path) -> Urdf:
     joints = {joint.name: joint for joint in map(reader.joint, robot.findall("joint"))}
     root = _find_root(path, links, joints)
     _check_floating(path, joints, root)
-    _check_mimics(path, joints)
+    joints = _check_mimics(path, joints, reader.notes)
     name = robot.get("name") or path.stem
     return Urdf(path, root, links, joints, tuple(reader.notes), name)
 
@@ -136,17 +137,25 @@ def _check_floating(path: Path, joints: dict[str, Joint], root: str) -> None:
             )
 
 
-def _check_mimics(path: Path, joints: dict[str, Joint]) -> None:
+def _check_mimics(path: Path, joints: dict[str, Joint], notes: list[str]) -> dict[str, Joint]:
+    """Return the joints without what mimics nothing. Raises RobotError for a loop of mimics."""
+    lost = [
+        joint
+        for joint in joints.values()
+        if joint.mimic is not None and joint.mimic.joint not in joints
+    ]
+    for joint in lost:
+        assert joint.mimic is not None
+        notes.append(
+            f"joint {joint.name!r} mimics {joint.mimic.joint!r}, which does not exist, so it moves "
+            "by itself"
+        )
+    joints = joints | {joint.name: replace(joint, mimic=None) for joint in lost}
     for joint in joints.values():
         seen, current = {joint.name}, joint
         while current.mimic is not None:
-            name = current.mimic.joint
-            if name not in joints:
-                raise RobotError(
-                    f"{path}: joint {current.name!r} mimics {name!r}, which does not exist; "
-                    "correct its name"
-                )
-            if name in seen:
+            current = joints[current.mimic.joint]
+            if current.name in seen:
                 raise RobotError(f"{path}: joint {joint.name!r} mimics itself; remove a <mimic>")
-            seen.add(name)
-            current = joints[name]
+            seen.add(current.name)
+    return joints
