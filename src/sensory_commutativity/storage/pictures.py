@@ -19,8 +19,10 @@ from .files import check_regular_file, printable
 
 FORMATS = {".png": ("PNG",), ".gif": ("GIF",), ".jpg": ("JPEG",), ".jpeg": ("JPEG",)}
 """Suffix -> formats of the figures of a run."""
-PHOTOS = ("PNG", "JPEG", "TIFF")
+PHOTOS = ("PNG", "JPEG")
 """Formats of pictures that people give."""
+DEEP = {".tif": ("TIFF",), ".tiff": ("TIFF",)}
+"""Suffix -> formats of pictures that may hold floats."""
 MAX_BYTES = 200_000_000
 """Size of a file; chosen: ten times that of a large photograph."""
 MAX_PIXELS = 32_000_000
@@ -72,14 +74,15 @@ def open_picture(
 
 
 def read_photo(path: Path, error: type[UserError] = PictureError) -> np.ndarray:
-    """Read a PNG, JPEG or TIFF file, upright by its EXIF tag.
+    """Read a PNG or JPEG file, or a TIFF file that is named so, upright by its EXIF tag.
 
     Returns uint8 (h, w, 3), RGB, or float64 (h, w) of a grey picture of more than 8 bits, which
     Pillow would cut off at 255.
 
     Raises `error` if the file is missing, too large, too long, damaged, or of another format.
     """
-    with open_picture(path, PHOTOS, "give a PNG, JPEG or TIFF file", error) as picture:
+    formats = DEEP.get(path.suffix.lower(), PHOTOS)
+    with open_picture(path, formats, "give a PNG, JPEG or TIFF file", error) as picture:
         shorter, longer = sorted(picture.size)
         if longer > MAX_ELONGATION * shorter:
             raise error(
