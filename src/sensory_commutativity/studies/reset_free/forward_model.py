@@ -28,19 +28,13 @@ class Babbling(NamedTuple):
     ----------
     observations : float (episodes, steps + 1, size)
         In units of each sensor's spread.
-    actions : float (episodes, steps, n)
+    commands : float (episodes, steps, m)
+        What the robot knows of its own control at each step: the action, and the targets of its
+        servos.
     """
 
     observations: np.ndarray
-    actions: np.ndarray
-
-
-def _inputs(
-    observation: torch.Tensor, action: torch.Tensor, commanded: torch.Tensor
-) -> torch.Tensor:
-    """What a network sees: sensors, the action, and the sum of all actions so far, which is where a
-    servo's target stands."""
-    return torch.cat([observation, action, commanded], dim=-1)
+    commands: np.ndarray
 
 
 class ForwardModel:
@@ -57,9 +51,8 @@ class ForwardModel:
         torch.manual_seed(seed % 2**63)
         rng = np.random.default_rng(seed)
         observations = torch.from_numpy(babbling.observations.astype(np.float32))
-        actions = torch.from_numpy(babbling.actions.astype(np.float32))
-        commanded = actions.cumsum(dim=1)
-        x = _inputs(observations[:, :-1], actions, commanded)
+        commands = torch.from_numpy(babbling.commands.astype(np.float32))
+        x = torch.cat([observations[:, :-1], commands], dim=-1)
         y = observations[:, 1:] - observations[:, :-1]
         flat = x.reshape(-1, x.shape[-1])
         self._mean, self._std = flat.mean(dim=0), flat.std(dim=0).clamp(min=1e-3)
@@ -96,26 +89,25 @@ class ForwardModel:
         return network.eval()
 
     @torch.inference_mode()
-    def imagine(self, start: np.ndarray, actions: np.ndarray) -> np.ndarray:
+    def imagine(self, start: np.ndarray, commands: np.ndarray) -> np.ndarray:
         """Observations at the end of sequences, predicted open-loop.
 
         Parameters
         ----------
         start : float (episodes, size)
             In units of each sensor's spread.
-        actions : float (episodes, steps, n)
+        commands : float (episodes, steps, m)
 
         Returns
         -------
         float64 (members, episodes, size)
         """
-        actions_ = torch.from_numpy(actions.astype(np.float32))
-        commanded = actions_.cumsum(dim=1)
+        known = torch.from_numpy(commands.astype(np.float32))
         ends = []
         for network in self._networks:
             now = torch.from_numpy(start.astype(np.float32))
-            for t in range(actions_.shape[1]):
-                x = self._normalise(_inputs(now, actions_[:, t], commanded[:, t]))
+            for t in range(known.shape[1]):
+                x = self._normalise(torch.cat([now, known[:, t]], dim=-1))
                 now = now + network(x) * self._scale
             ends.append(now.double().numpy())
         return np.stack(ends)

@@ -72,7 +72,7 @@ def _draw_tau(axes: Axes, rows: pd.DataFrame) -> None:
             np.arange(len(one)) + 0.06 * shift, one["tau"],
             yerr=error_lengths(one["tau"], one["ci_low"], one["ci_high"]),
             color="black", linestyle=style, marker="o", markersize=3.5,
-            label=f"threshold {threshold}",
+            label="threshold 0" if threshold == "0" else "calibrated threshold",
         )  # fmt: skip
     _ticks(axes, rows["level"].unique())
     axes.axhline(0, color="#8A8A8A", linewidth=0.8, linestyle=":", zorder=0)

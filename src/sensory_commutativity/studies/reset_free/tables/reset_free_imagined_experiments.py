@@ -43,12 +43,33 @@ class ScaledSensors:
         return observation[self._moves] / self._unit
 
 
+def known_commands(world: GymnasiumWorld, actions: np.ndarray) -> np.ndarray:
+    """What a robot knows beforehand of its commands: actions, and what its control makes of them.
+
+    Parameters
+    ----------
+    world : GymnasiumWorld
+        Where the sequence will be played from; stays as it is.
+    actions : float (steps, n)
+
+    Returns
+    -------
+    float (steps, n + size of the control's state)
+    """
+    control, kept, states = world.control, world.control.state.copy(), []
+    for action in actions:
+        control.command(action)
+        states.append(control.state.copy())
+    control.state = kept
+    return np.concatenate([actions, np.array(states)], axis=1)
+
+
 def babble(world: GymnasiumWorld, settings: ImaginedConfig, seed: int) -> Babbling:
     """Random sequences of single degrees of freedom, each followed by a rest."""
     from ..forward_model import Babbling
 
     sensors, n = ScaledSensors(world), len(world.dofs)
-    observations, actions = [], []
+    observations, commands = [], []
     for i in range(settings.sequences):
         rng = generator(seed, "babbling", i)
         if i % SEQUENCES_PER_START == 0:
@@ -56,13 +77,13 @@ def babble(world: GymnasiumWorld, settings: ImaginedConfig, seed: int) -> Babbli
         sequence = sample_sequence(rng, settings.length, int(rng.integers(n)), n)
         sequence = world.limit(world.snapshot(), sequence)
         played = compose(sequence, no_op(settings.rest_steps, n))
+        commands.append(known_commands(world, played))
         seen = [sensors.scale(world.observe())]
         for action in played:
             world.step(action)
             seen.append(sensors.scale(world.observe()))
         observations.append(seen)
-        actions.append(played)
-    return Babbling(np.array(observations), np.array(actions))
+    return Babbling(np.array(observations), np.array(commands))
 
 
 def root_mean_square(difference: np.ndarray) -> np.ndarray:
@@ -116,9 +137,10 @@ def reset_free_imagined_experiments(config: Config, run: str) -> pd.DataFrame:
             first, second = compose(first, rest), compose(second, rest)
             ends, touched = _play(world, start, first, second, sensors)
             rows.append((run, dof, i, touched))
+            world.restore(start)
             starts.append(view)
-            firsts.append(first)
-            seconds.append(second)
+            firsts.append(known_commands(world, first))
+            seconds.append(known_commands(world, second))
             endings.append(ends)
     both = np.array(endings)
     imagined = [
