@@ -54,14 +54,12 @@ def known_commands(world: GymnasiumWorld, actions: np.ndarray) -> np.ndarray:
 
     Returns
     -------
-    float (steps, n + size of the control's state)
+    float (steps, 2 n)
     """
-    control, kept, states = world.control, world.control.state.copy(), []
-    for action in actions:
-        control.command(action)
-        states.append(control.state.copy())
+    control, kept = world.control, world.control.state.copy()
+    commands = np.asarray(control.commands(actions), float).reshape(len(actions), -1)
     control.state = kept
-    return np.concatenate([actions, np.array(states)], axis=1)
+    return np.concatenate([actions, commands], axis=1)
 
 
 def babble(world: GymnasiumWorld, settings: ImaginedConfig, seed: int) -> Babbling:
