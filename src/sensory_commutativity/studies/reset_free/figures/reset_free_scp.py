@@ -10,13 +10,15 @@ from matplotlib.figure import Figure
 
 from ...config import Config
 from ...declarations import figure
-from ...plotting import BLUE, GREY, VERMILION, dof_label, error_lengths, slant_xticks
+from ...plotting import BLUE, GREY, ORANGE, VERMILION, dof_label, error_lengths, slant_xticks
 from ..builders import apartment_runs, trial_runs
+from ..estimates import QUIET
 
 SERIES = {
     "reset": ("restored start", "scp", GREY, "s"),
     "return": ("return protocol", "scp", BLUE, "o"),
     "relative": ("return protocol, relative to its control", "relative", VERMILION, "^"),
+    QUIET: ("the same, at starts where nothing moves", "relative", ORANGE, "v"),
 }
 """Series -> label, column, colour and marker."""
 
@@ -51,7 +53,7 @@ def reset_free_scp(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     for axes in grid[:, 0]:
         axes.set_ylabel("SCP")
     handles, labels = grid[0, 0].get_legend_handles_labels()
-    drawn.legend(handles, labels, loc="outside upper center", ncol=3)
+    drawn.legend(handles, labels, loc="outside upper center", ncol=4)
     return drawn
 
 
@@ -59,11 +61,12 @@ def _draw(axes: Axes, rows: pd.DataFrame) -> None:
     dofs = list(rows["dof"].unique())
     for shift, (series, (label, column, colour, marker)) in enumerate(SERIES.items()):
         chosen = rows[rows["protocol"] == ("return" if series == "relative" else series)]
-        low, high = (
-            ("relative_low", "relative_high") if series == "relative" else ("ci_low", "ci_high")
-        )
+        if not len(chosen):
+            continue
+        ends = ("relative_low", "relative_high") if column == "relative" else ("ci_low", "ci_high")
+        low, high = ends
         axes.errorbar(
-            np.arange(len(dofs)) + 0.2 * (shift - 1), chosen[column],
+            np.arange(len(dofs)) + 0.2 * (shift - 1.5), chosen[column],
             yerr=error_lengths(chosen[column], chosen[low], chosen[high]),
             fmt=marker, color=colour, markersize=4.5, capsize=2, label=label,
         )  # fmt: skip
