@@ -11,7 +11,7 @@ SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet host reason --rerun-incom
 UNLOCK := pgrep -f '[b]in/snakemake' > /dev/null || $(BIN)/python -m snakemake --unlock --quiet all  # the pattern must not match this line itself
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: all default paper atlas bench scaling replay test coverage lint format lock schema clean help
+.PHONY: all default paper reset-free atlas bench scaling replay test coverage lint format lock schema clean help
 .DEFAULT_GOAL := default
 
 all: default
@@ -31,6 +31,11 @@ paper: $(READY)  ## run the paper's sizes (committed under results/paper)
 	@$(UNLOCK)
 	$(SNAKEMAKE) --configfile config/paper.yaml --report results/paper/report.html
 	@echo "figures: results/paper/figures; report: results/paper/report.html"
+
+reset-free: $(READY)  ## SC-experiments without a reset at the paper's sizes (committed under results/reset-free)
+	@test -d results/reset-free/data || rm -rf results/reset-free  # as for the paper
+	@$(UNLOCK)
+	$(SNAKEMAKE) --configfile config/reset-free.yaml -- reset_free
 
 atlas: $(READY)  ## SCP of 31 standard environments (two hours of a core)
 	@$(UNLOCK)
@@ -75,7 +80,7 @@ clean:  ## remove the results of the default and test profiles
 	rm -rf results/default results/test
 
 help:  ## this list
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | column -t -s $$'\t'
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | column -t -s $$'\t'
 
 # The environment. The stamp is made last, so that an interrupted installation starts again.
 $(READY): requirements.lock pyproject.toml

@@ -12,10 +12,11 @@ from typing import Any
 __version__ = "0.1.0"
 
 _MODULES = {
-    "measurement.logs": ("Recorder", "measure_log", "write_log"),
+    "measurement.logs": ("measure_log",),
     "measurement.measure": ("measure",),
     "measurement.measurement": ("Measurement",),
     "measurement.order": ("DofOrder",),
+    "measurement.recorder": ("Recorder", "write_log"),
     "scp.check": ("CheckResult", "WorldReport", "check_world"),
     "scp.world": (
         "Dof", "EventReporter", "InverseReporter", "Resting", "SequenceLimiter", "SequencePlayer",

@@ -14,6 +14,7 @@ import pytest
 from sensory_commutativity import (
     ArgumentError,
     Corridor,
+    Dof,
     FlatlandWorld,
     Measurement,
     Recorder,
@@ -30,6 +31,27 @@ from sensory_commutativity.errors import TableError
 from tests.scp.test_return_protocol import OnlySteps
 
 RELATIVE = ["control", "relative", "relative_low", "relative_high", "p", "start_seen_again"]
+
+
+class Walls:
+    """Three slides: a stop is near, far, or nowhere."""
+
+    dofs = tuple(Dof(name, "1", 1.0) for name in ("near", "far", "free"))
+
+    def reset(self, rng):
+        self._place = np.zeros(3)
+
+    def snapshot(self):
+        return self._place.copy()
+
+    def restore(self, snapshot):
+        self._place = snapshot.copy()
+
+    def step(self, action):
+        self._place = np.minimum(self._place + np.sign(action), [0, 3, np.inf])
+
+    def observe(self):
+        return self._place.copy()
 
 
 # ---- the return protocol --------------------------------------------------------------------
@@ -129,9 +151,9 @@ def test_ties_are_found_and_what_is_decided_is_not_played_on(tmp_path) -> None:
     assert free.ties == [("move", "eyelid")] and not free.pairs["distinct"].any()
     few = measure(Corridor(), n=20, length=4, until="ordered").order()
     assert few.undecided == [("move", "eyelid")] and "not decided: move and eyelid" in str(few)
-    world = FlatlandWorld(Room(objects=0, width=330.0, height=330.0))
     file = tmp_path / "scp.parquet"
-    found = measure(world, n=100, length=30, until="ordered", alpha=0.5, margin=0.2, resume=file)
+    found = measure(Walls(), n=400, length=6, until="ordered", alpha=0.2, resume=file)
+    assert found.order().dofs == ("near", "far", "free")
     n = found.table.set_index("dof")["n"]
     assert n.nunique() > 1 and len(found.experiments) == n.sum()
     loaded = Measurement.load(file)

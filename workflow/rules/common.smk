@@ -30,7 +30,7 @@ from sensory_commutativity.studies.loading import (
 )
 from sensory_commutativity.studies.paths import resolve_merged_paths
 from sensory_commutativity.studies.registry import (
-    declarations,
+    configured,
     find,
     find_product,
     input_shards,
@@ -146,10 +146,10 @@ def figures():
     """Every figure as PNG and PDF, and every animation."""
     drawn = [
         RESULTS / figure.file().with_suffix(suffix)
-        for figure in declarations(Figure).values()
+        for figure in configured(Figure, CONFIG).values()
         for suffix in (".png", ".pdf")
     ]
-    for animation in declarations(Animation).values():
+    for animation in configured(Animation, CONFIG).values():
         runs = animation.shards.all(CONFIG) if animation.shards else [None]
         drawn += [RESULTS / animation.file(run) for run in runs]
     return drawn
@@ -161,12 +161,30 @@ def all_outputs():
     starts = {(run.robot, run.scene, run.start) for run in CONFIG.apartment.runs()}
     found = [DATA / "apartment_ready" / f"{'.'.join(start)}.json" for start in starts]
     for kind in (Table, Arrays, Model):
-        for name, product in declarations(kind).items():
+        for name, product in configured(kind, CONFIG).items():
             if product.shards is not None:
                 found += shards(name)
             whole = product.shards is None or isinstance(product, Table)
             if whole and not getattr(product, "shards_only", False):
                 found.append(RESULTS / product.file())
+    return found
+
+
+def optional_shards(name):
+    """Files of all shards of a table of a study that the configuration may leave out."""
+    return shards(name) if CONFIG.reset_free is not None else []
+
+
+def reset_free_outputs():
+    """Tables and figures of the study reset_free; none without its section."""
+    if CONFIG.reset_free is None:
+        return []
+    found = [
+        RESULTS / product.file()
+        for kind in (Table, Figure)
+        for name, product in configured(kind, CONFIG).items()
+        if name.startswith("reset_free_")
+    ]
     return found
 
 

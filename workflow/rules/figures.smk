@@ -6,10 +6,11 @@ CATEGORIES = {
     "local": "Map",
     "navigation": "Navigation",
     "paper": "The paper's claims",
+    "reset": "Without a reset",
 }
 
 
-for name, figure in declarations(Figure).items():
+for name, figure in configured(Figure, CONFIG).items():
 
     rule:
         name:

@@ -75,7 +75,7 @@ def record(world: Any, path: Path | None, protocol: str) -> Any:
         raise click.UsageError("--record needs --protocol return")
     if not path.parent.is_dir():
         raise click.UsageError(f"--record {path}: there is no folder {path.parent}; create it")
-    from ..measurement.logs import Recorder
+    from ..measurement.recorder import Recorder
 
     return Recorder(world)
 
@@ -84,7 +84,7 @@ def write_record(path: Path | None, recorder: Any, distance: str) -> None:
     """Write what was recorded, if it was asked for."""
     if path is None:
         return
-    from ..measurement.logs import write_log
+    from ..measurement.recorder import write_log
 
     if distance not in ("mse", "scaled"):
         raise UserError(f"--record: a log names mse or scaled, not the distance {distance}")

@@ -27,143 +27,62 @@ list of names), ``shape`` and ``dtype`` of an observation, ``distance`` (``mse``
 from __future__ import annotations
 
 import hashlib
-import json
-import time
-from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as pq
+from pydantic import Field, ValidationError
 
 from ..errors import ArgumentError, TableError
 from ..scp.distances import Distance, mean_squared_error, scaled_difference
 from ..scp.return_protocol import Legs, compare_legs
 from ..scp.sequences import inverse
-from ..scp.world import Dof, Observation, SteppableWorld
-from ..storage.atomic import atomic_write
-from ..storage.provenance import environment
+from ..scp.world import Dof
+from ..storage.files import printable, read_bounded
+from ..storage.parquet import TableTooLargeError, read_bounded_table
+from ..storage.settings import Section
 from .arguments import check_thresholds, default_thresholds
 from .measurement import Measurement, Settings
 from .returning import COLUMNS, RETURN
 
 METADATA = "log"
 """Key of the JSON object in the metadata of the file."""
+MAX_BYTES = 1_000_000_000
+"""Size of a log. Chosen: hours of a robot with state vectors, minutes of one with images."""
 LEGS = 5
 """Legs of a trial that are read: h, back, p, back, p."""
 BETWEEN = -1
 """Episode of steps between trials."""
 REQUIRED = ("episode", "step", "action", "observation")
-FORWARDED = (
-    "reset", "snapshot", "restore", "limit", "has_inverse", "distance", "unit", "choices",
-    "observes_images", "knows_contacts", "reaches_stop", "reseed",
-)  # fmt: skip
-"""What a recorder offers where the world within does."""
 SAME = 1e-9
 """By how much two actions may differ that should be equal. Chosen: rounding of their storage."""
+REMEDY = "the page 'On a real robot' of the documentation says what a log holds"
 
 
-# ---- writing --------------------------------------------------------------------------------
+class DofDescription(Section):
+    """A degree of freedom, as :class:`.Dof`."""
+
+    name: Annotated[str, Field(min_length=1, max_length=100)]
+    unit: Annotated[str, Field(max_length=40)] = "1"
+    speed: float = float("nan")
+    low: float = float("-inf")
+    high: float = float("inf")
+    displaces: bool = True
 
 
-class Recorder:
-    """A world whose steps are recorded; otherwise it is the world within.
+class LogDescription(Section):
+    """What the columns of a log do not say."""
 
-    Parameters
-    ----------
-    world : SteppableWorld
-    clock : callable, optional
-        Returns the time in seconds; by default that of the computer.
-    """
-
-    def __init__(self, world: SteppableWorld, clock: Callable[[], float] = time.monotonic):
-        self.world, self.dofs, self._clock = world, tuple(world.dofs), clock
-        self.name = getattr(world, "name", type(world).__name__)
-        self.rows: list[tuple[int, int, float, int, int, np.ndarray, np.ndarray]] = []
-        self._episode, self._trials, self._step, self._leg, self._dof = BETWEEN, 0, 0, 0, BETWEEN
-        self._began: float | None = None
-        for name in FORWARDED:
-            if hasattr(world, name):
-                setattr(self, name, getattr(world, name))
-        if hasattr(world, "rest"):
-            self.rest = self._rest
-
-    def begin_trial(self, dof: int) -> None:
-        self._episode, self._step, self._leg, self._dof = self._trials, 0, 0, dof
-        self._trials += 1
-        self._record(np.zeros(len(self.dofs)))
-
-    def end_trial(self) -> None:
-        self._episode, self._step, self._leg, self._dof = BETWEEN, 0, 0, BETWEEN
-
-    def step(self, action: np.ndarray) -> None:
-        self.world.step(action)
-        self._record(np.asarray(action, np.float64))
-
-    def play(self, actions: np.ndarray) -> None:
-        """Play a leg, step by step; a leg begins with each call."""
-        self._leg += 1
-        for action in actions:
-            self.step(action)
-
-    def observe(self) -> Observation:
-        return self.world.observe()
-
-    def _rest(self, most: int) -> None:
-        """Rest as the world within does; what it does meanwhile is recorded as one step."""
-        self.world.rest(most)  # type: ignore[attr-defined]
-        self._record(np.zeros(len(self.dofs)))
-
-    def _record(self, action: np.ndarray) -> None:
-        now = self._clock()
-        self._began = now if self._began is None else self._began
-        view = np.array(self.world.observe())
-        self.rows.append(
-            (self._episode, self._step, now - self._began, self._leg, self._dof, action, view)
-        )
-        self._step += 1
-
-
-def write_log(path: str | Path, recorder: Recorder, distance: str = "mse") -> Path:
-    """Write what was recorded; the file says how to measure it.
-
-    Raises
-    ------
-    ArgumentError
-        If nothing was recorded.
-    """
-    path = Path(path)
-    if not recorder.rows:
-        raise ArgumentError(f"{path}: nothing was recorded; measure with protocol='return' first")
-    episode, step, seconds, leg, dof, actions, views = zip(*recorder.rows, strict=True)
-    described: dict[str, Any] = dict(
-        world=recorder.name, dofs=[asdict(dof) for dof in recorder.dofs], distance=distance,
-        shape=list(views[0].shape), dtype=str(views[0].dtype),
-    )  # fmt: skip
-    if distance == "scaled":
-        scaled: Any = recorder.world
-        units = np.ravel(scaled.unit)
-        described["unit"] = [float(unit) if np.isfinite(unit) else None for unit in units]
-    flat = [np.ravel(view) for view in views]
-    table = pa.table(
-        dict(
-            episode=pa.array(episode, pa.int64()), step=pa.array(step, pa.int64()),
-            time=pa.array(seconds, pa.float64()), leg=pa.array(leg, pa.int64()),
-            dof=pa.array(dof, pa.int64()),
-            action=pa.array(list(actions), pa.list_(pa.float64())),
-            observation=pa.array(flat, pa.list_(pa.from_numpy_dtype(flat[0].dtype))),
-        )
-    )  # fmt: skip
-    metadata = {METADATA: json.dumps(described), **environment()}
-    with atomic_write(path) as temporary:
-        pq.write_table(table.replace_schema_metadata(metadata), temporary, compression="zstd")
-    return path
-
-
-# ---- reading --------------------------------------------------------------------------------
+    world: Annotated[str, Field(max_length=200)] | None = None
+    dofs: list[DofDescription | Annotated[str, Field(min_length=1, max_length=100)]] | None = None
+    shape: list[Annotated[int, Field(ge=1)]] | None = None
+    dtype: Literal["uint8", "int64", "float32", "float64", "bool"] | None = None
+    distance: Literal["mse", "scaled"] = "mse"
+    unit: list[float | None] | None = None
+    seed: Annotated[int, Field(ge=0)] = 0
 
 
 class Trial(NamedTuple):
@@ -220,8 +139,8 @@ def measure_log(
         raise TableError(f"{path}: has no trial; number them in the column episode, from 0")
     rows = _arrange(trials, len(dofs), function)
     settings = Settings(
-        world=str(described.get("world", path.stem)), length=trials[0].length,
-        rest_steps=trials[0].rest_steps, distance=name, seed=int(described.get("seed", 0)),
+        world=described.world or path.stem, length=trials[0].length,
+        rest_steps=trials[0].rest_steps, distance=name, seed=described.seed,
         start_sha256=hashlib.sha256(np.ascontiguousarray(views[0]).tobytes()).hexdigest(),
         protocol=RETURN,
     )  # fmt: skip
@@ -231,25 +150,43 @@ def measure_log(
     return Measurement(rows[..., 0], dofs, chosen, settings, controls, choices)
 
 
-def _read(path: Path) -> tuple[pd.DataFrame, dict[str, Any]]:
+def _read(path: Path) -> tuple[pd.DataFrame, LogDescription]:
     try:
-        table = pq.read_table(path)
-        described = json.loads((table.schema.metadata or {}).get(METADATA.encode(), b"{}"))
+        table = read_bounded_table(read_bounded(path, TableError, REMEDY, MAX_BYTES))
     except FileNotFoundError:
         raise TableError(f"{path}: there is no such log; give the path of a Parquet file") from None
+    except TableTooLargeError as error:
+        raise TableError(f"{path}: {error}; {REMEDY}") from None
     except (pa.ArrowException, OSError, ValueError) as error:
-        reason = str(error).splitlines()[0]
-        raise TableError(f"{path}: not a readable Parquet file ({reason})") from None
+        reason = (str(error).splitlines() or ["?"])[0][:120]
+        raise TableError(f"{path}: not a readable Parquet file ({printable(reason)})") from None
     missing = [name for name in REQUIRED if name not in table.column_names]
-    if missing or not isinstance(described, dict):
+    if missing:
         raise TableError(
-            f"{path}: has no column {missing[0] if missing else METADATA}; a log has "
-            f"{', '.join(REQUIRED)} (docs, 'On a real robot')"
+            f"{path}: has no column {missing[0]}; a log has {', '.join(REQUIRED)}; {REMEDY}"
         )
+    try:
+        described = (table.schema.metadata or {}).get(METADATA.encode(), b"{}")
+        description = LogDescription.model_validate_json(described)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        raise TableError(
+            f"{path}: its metadata {METADATA}: {printable(where)}: {first['msg']}; {REMEDY}"
+        ) from None
     if not table.num_rows:
         raise TableError(f"{path}: has no rows; record at least one trial")
     kept = [name for name in (*REQUIRED, "leg", "dof") if name in table.column_names]
-    return table.select(kept).to_pandas(), described
+    for name in kept:
+        column = table.column(name)
+        lists = name in ("action", "observation")
+        right = pa.types.is_list(column.type) if lists else pa.types.is_integer(column.type)
+        if column.null_count or not right:
+            raise TableError(
+                f"{path}: the column {name} must hold {'lists of numbers' if lists else 'integers'}"
+                f", and no nulls; {REMEDY}"
+            )
+    return table.select(kept).to_pandas(), description
 
 
 def _stack(frame: pd.DataFrame, column: str, path: Path) -> np.ndarray:
@@ -267,32 +204,36 @@ def _stack(frame: pd.DataFrame, column: str, path: Path) -> np.ndarray:
     return values
 
 
-def _name_dofs(described: dict[str, Any], n: int, path: Path) -> tuple[Dof, ...]:
-    found = described.get("dofs", [f"action-{k}" for k in range(n)])
+def _name_dofs(described: LogDescription, n: int, path: Path) -> tuple[Dof, ...]:
+    found = described.dofs or [f"action-{k}" for k in range(n)]
     if len(found) != n:
         raise TableError(
             f"{path}: names {len(found)} degrees of freedom, but actions have {n} numbers"
         )
-    return tuple(
-        Dof(**dof) if isinstance(dof, dict) else Dof(str(dof), "1", float("nan")) for dof in found
+    dofs = tuple(
+        Dof(dof, "1", float("nan")) if isinstance(dof, str) else Dof(**dof.model_dump())
+        for dof in found
     )
+    if len({dof.name for dof in dofs}) < n:
+        raise TableError(f"{path}: two degrees of freedom have the same name; rename one")
+    return dofs
 
 
-def _shape(views: np.ndarray, described: dict[str, Any], path: Path) -> np.ndarray:
-    shape = tuple(described.get("shape", views.shape[1:]))
+def _shape(views: np.ndarray, described: LogDescription, path: Path) -> np.ndarray:
+    shape = views.shape[1:] if described.shape is None else tuple(described.shape)
     if int(np.prod(shape)) != views.shape[1]:
         raise TableError(
             f"{path}: observations have {views.shape[1]} numbers, which is not the shape {shape}"
         )
-    return views.reshape(len(views), *shape).astype(described.get("dtype", views.dtype))
+    return views.reshape(len(views), *shape).astype(described.dtype or views.dtype)
 
 
 def _resolve(
-    distance: str | Distance | None, described: dict[str, Any], views: np.ndarray, path: Path
+    distance: str | Distance | None, described: LogDescription, views: np.ndarray, path: Path
 ) -> tuple[str, Distance]:
     if callable(distance):
         return getattr(distance, "__qualname__", type(distance).__name__), distance
-    name = distance or described.get("distance", "mse")
+    name = distance or described.distance
     if name == "mse":
         return name, mean_squared_error
     if name != "scaled":
@@ -300,12 +241,13 @@ def _resolve(
             f"distance: expected mse, scaled or a function of two observations, got {name!r}"
         )
     flat = views.reshape(len(views), -1).astype(float)
-    moves = np.ptp(flat, axis=0) > 0
-    unit = np.array(described.get("unit", np.where(moves, flat.std(axis=0), np.inf)), float)
-    unit = np.where(np.isnan(unit), np.inf, unit)  # null in the log: a sensor that never moves
-    if unit.shape != flat.shape[1:]:
+    unit = np.where(np.ptp(flat, axis=0) > 0, flat.std(axis=0), np.inf)
+    if described.unit is not None:  # null: a sensor that never moves
+        unit = np.array([np.inf if one is None else one for one in described.unit])
+    if unit.shape != flat.shape[1:] or not (unit > 0).all():
         raise TableError(
-            f"{path}: has {unit.size} units for observations of {flat.shape[1]} numbers"
+            f"{path}: needs a positive unit, or null, for each of the {flat.shape[1]} numbers of "
+            "an observation"
         )
     return name, lambda first, second: scaled_difference(np.ravel(first), np.ravel(second), unit)
 

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ...errors import ConfigError
 from ..config import Config
 from ..flatland.builders import flatland_world
-from .config import ApartmentTrialsConfig, ResetFreeConfig, TrialsConfig
+from .config import ApartmentTrialsConfig, ImaginedConfig, ResetFreeConfig, TrialsConfig
+
+if TYPE_CHECKING:
+    from ...worlds.flatland.world import FlatlandWorld
 
 
 def reset_free(config: Config) -> ResetFreeConfig:
@@ -25,6 +30,11 @@ def apartment_runs(config: Config) -> dict[str, ApartmentTrialsConfig]:
     return dict(config.reset_free.apartment) if config.reset_free is not None else {}
 
 
+def imagined_runs(config: Config) -> dict[str, ImaginedConfig]:
+    """Environments with a forward model by name; none without a section."""
+    return dict(config.reset_free.imagined) if config.reset_free is not None else {}
+
+
 def world_settings(config: Config, world: str) -> list[object]:
     """Everything that a trial in a world of Flatland depends on."""
     flatland, agent = config.flatland, reset_free(config).agent
@@ -34,6 +44,6 @@ def world_settings(config: Config, world: str) -> list[object]:
     ]  # fmt: skip
 
 
-def build_world(config: Config, world: str):
+def build_world(config: Config, world: str) -> FlatlandWorld:
     """The agent of the section in a world of Flatland."""
     return flatland_world(config.flatland, world, reset_free(config).agent)

@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from ...storage.settings import NO_EFFECT, Name, Section
+from ..atlas.config import EnvironmentConfig
 
 Experiments = Annotated[int, Field(ge=2, le=1_000_000)]
 Level = Annotated[float, Field(gt=0)]
@@ -73,21 +74,22 @@ class SequentialConfig(Section):
     )  # fmt: skip
 
 
-class ImaginedConfig(Section):
-    """A forward model of an environment's sensors, which imagines the second order."""
+class ImaginedConfig(EnvironmentConfig):
+    """An environment whose second orders a forward model imagines."""
 
-    env_id: str = Field(min_length=1, max_length=100, description="Name in Gymnasium's registry.")
-    length: int = Field(20, ge=1, le=200, description="Actions in a sequence.")
-    rest_steps: int = Field(20, ge=0, le=200, description="Steps of rest after an order.")
-    babbling: int = Field(
-        ge=20, le=100_000, description="Episodes of random sequences that train the model."
+    sequences: int = Field(
+        ge=20, le=100_000, description="Random sequences, the babbling that trains the model."
     )
     experiments: Experiments = Field(description="Starts at which the model is judged.")
     members: int = Field(3, ge=1, le=20, description="Networks of the ensemble.")
-    epochs: int = Field(30, ge=1, le=1000, description="Passes over the babbling.")
+    epochs: int = Field(20, ge=1, le=1000, description="Passes over the babbling.")
     threshold: float = Field(
         0.1, ge=0, description="Of the true distance, in units of the sensors' spread."
     )
+    quantile: float = Field(
+        0.95, gt=0.5, lt=1,
+        description="Of the model's error on the order that was played: the calibrated threshold.",
+    )  # fmt: skip
 
 
 class ResetFreeConfig(Section):
@@ -99,10 +101,10 @@ class ResetFreeConfig(Section):
         description="Largest distances that count as equal in Flatland, squared 8-bit colour.",
     )  # fmt: skip
     flatland: dict[Name, TrialsConfig] = Field(min_length=1)
-    apartment: dict[Name, ApartmentTrialsConfig] = Field(default_factory=dict)
+    apartment: dict[Name, ApartmentTrialsConfig] = Field(min_length=1)
     noise: NoiseConfig
     sequential: SequentialConfig
-    imagined: dict[Name, ImaginedConfig] = Field(default_factory=dict)
+    imagined: dict[Name, ImaginedConfig] = Field(min_length=1)
     lives_per_job: int = Field(
         1000, ge=1, le=1_000_000, description="Lives in a job; changes no result.",
         json_schema_extra=NO_EFFECT,

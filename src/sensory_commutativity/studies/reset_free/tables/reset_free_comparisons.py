@@ -14,6 +14,7 @@ from ...config import Config
 from ...declarations import table
 from ...flatland.hierarchy import HIERARCHY
 from ..columns import WORLD
+from ..estimates import at_quiet_starts
 
 COLUMNS = ["test", "lower", "higher", "n", "lower_value", "higher_value", "p"]
 ORDER_EFFECT, STEP = "below its control", "step of the hierarchy"
@@ -62,6 +63,7 @@ def test_trials(trials: pd.DataFrame, threshold: float) -> pd.DataFrame:
     title="Tests of the return protocol",
     columns=(
         WORLD,
+        Column("starts", TEXT, "", "all, or quiet: nothing was seen to move beforehand", key=True),
         Column("test", TEXT, "", f"{ORDER_EFFECT} (McNemar), or {STEP} (ratios)", key=True),
         Column("lower", TEXT, "", "degree of freedom that should have the lower value", key=True),
         Column("higher", TEXT, "", "the other, or control", key=True),
@@ -76,8 +78,9 @@ def reset_free_comparisons(trials: pd.DataFrame, config: Config) -> pd.DataFrame
     """All worlds of Flatland, at threshold 0."""
     return pd.concat(
         [
-            test_trials(of_world, 0.0).assign(world=world)
-            for world, of_world in trials.groupby("world", sort=False)
+            test_trials(of_world, 0.0).assign(world=world, starts=starts)
+            for starts, part in (("all", trials), ("quiet", at_quiet_starts(trials)))
+            for world, of_world in part.groupby("world", sort=False)
         ],
         ignore_index=True,
     )
