@@ -31,6 +31,7 @@ from .tables.navigation_sensitivity import ALL, CONFIRMATION
 
 SECTION = "IV-B"
 VIABLE = 0.5
+BASE_RANDOM = "base-random"
 
 
 def navigation_claims(
@@ -107,8 +108,7 @@ def _twice(
         holds,
         rule=f"interval of the ratio below .5 and adjusted p against half of the steps below "
         f"{config.navigation.alpha:g}; the log-rank test agrees",
-        limits=f"ratio by threshold return: {ratios}; random halves that hold the base also solve "
-        "the task (action space base-random)",
+        limits=f"ratio by threshold return: {ratios}; {_beside_base_random(comparisons)}",
         verdict=_verdict(holds, everywhere, half["ci_low"] > 0.5),
     )
 
@@ -146,6 +146,23 @@ def _verdict(holds: bool, everywhere: bool, contradicted: bool) -> Verdict:
     if holds:
         return "holds" if everywhere else "holds in part"
     return "does not hold" if contradicted else "not shown"
+
+
+def _beside_base_random(comparisons: pd.DataFrame) -> str:
+    """What the control says that keeps the base and others at random."""
+    asked = "whether the SCP chooses more than the base"
+    rows = comparisons[
+        (comparisons["measure"] == STEPS) & (comparisons["test"] == WELCH)
+        & (comparisons["a"] == "truncated") & (comparisons["b"] == BASE_RANDOM)
+    ]  # fmt: skip
+    if rows.empty:
+        return f"{asked} is not part of this run (control {BASE_RANDOM})"
+    row = rows.iloc[0]
+    interval = f"[{row['ci_low']:+,.0f}, {row['ci_high']:+,.0f}]"
+    return (
+        f"{asked}: restricted mean steps less those of {BASE_RANDOM} {row['difference']:+,.0f} "
+        f"{interval}, {format_p(row['p_adjusted'])}"
+    )
 
 
 def _confirmed(sensitivity: pd.DataFrame, config: Config) -> str:
