@@ -34,8 +34,9 @@ def test_scales_of_every_action_space():
     assert action_scales("truncated", SCP) == {"a": 0, "b": 1, "c": 0, "d": 1}
     assert action_scales("inverse", SCP) == {"a": 1, "b": 0, "c": 1, "d": 0}
     assert action_scales("adapted", SCP) == pytest.approx({"a": 0.2, "b": 1.0, "c": 0.0, "d": 0.8})
+    based = {**SCP, "base-x": 0.5}
     for name in ACTION_SPACES:
-        assert list(action_scales(name, SCP, np.random.default_rng(0))) == list(SCP)
+        assert list(action_scales(name, based, np.random.default_rng(0))) == list(based)
     with pytest.raises(ValueError, match="truncated"):
         action_scales("shortened", SCP)
 
@@ -59,6 +60,18 @@ def test_random_half_draws_from_its_generator():
     assert {len(half) for half in halves} == {4} and len(halves) > 6
     with pytest.raises(ValueError, match="generator"):
         action_scales("random-half", scp)
+
+
+def test_base_and_random_keeps_the_base_and_half_of_all():
+    scp = {"base-longitudinal": 0.9, "base-rotation": 0.8, **dict.fromkeys("abcdef", 0.5)}
+    halves = {frozenset(kept("base-random", scp, np.random.default_rng(i))) for i in range(40)}
+    assert all(len(half) == 4 and {"base-longitudinal", "base-rotation"} < half for half in halves)
+    assert len(halves) > 10
+    with pytest.raises(ValueError, match="generator"):
+        action_scales("base-random", scp)
+    for names in ("abcd", ("base-a", "base-b", "base-c", "d")):
+        with pytest.raises(ValueError, match="base-random needs degrees of freedom called base-"):
+            action_scales("base-random", dict.fromkeys(names, 0.5), np.random.default_rng(0))
 
 
 class Recorder(gym.Env):

@@ -48,6 +48,14 @@ def test_the_naive_change_of_few_transitions_is_near_that_of_many(paper_config):
         assert abs(change.mean() - shipped.loc[dof, "naive_mse"]) < 4 * error
 
 
+LATER = {
+    "mask_summary": ["mask_iou", "mask_iou_low", "mask_iou_high", "iou_with_empty"],
+    "flatland_comparisons": ["ci_low", "ci_high"],
+    "paper_comparison": ["holds", "our_value", "ci_low", "ci_high", "rule", "limits", "verdict"],
+}
+"""Columns that the shipped run has by the rules of an earlier version."""
+
+
 def test_derived_tables_follow_from_the_tables_that_they_are_computed_from(paper_config):
     """All that take at most a few seconds."""
     for name in (
@@ -56,6 +64,18 @@ def test_derived_tables_follow_from_the_tables_that_they_are_computed_from(paper
         "mask_discoveries", "navigation_scores", "navigation_summary", "paper_comparison",
     ):  # fmt: skip
         table = find_table(name)
-        inputs = [read_shipped(source) for source in table.input_names(paper_config)]
+        names = table.input_names(paper_config)
+        inputs = [read_or_compute(source, paper_config) for source in names]
         computed = table(*inputs, paper_config)[table.column_names].reset_index(drop=True)
-        pd.testing.assert_frame_equal(computed, read_shipped(name), rtol=1e-9, obj=name)
+        computed, shipped = (  # what an earlier version had is the same
+            frame.drop(columns=LATER.get(name, [])) for frame in (computed, read_shipped(name))
+        )
+        pd.testing.assert_frame_equal(computed, shipped, rtol=1e-9, obj=name)
+
+
+def read_or_compute(name: str, config: Config) -> pd.DataFrame:
+    """A shipped table, or one that was declared since the run."""
+    if (TABLES / f"{name}.parquet").is_file():
+        return read_shipped(name)
+    table = find_table(name)
+    return table(*map(read_shipped, table.input_names(config)), config)

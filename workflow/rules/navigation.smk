@@ -162,6 +162,22 @@ rule navigation_survival:
         "sensory-commutativity table navigation_survival --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
 
 
+rule navigation_sensitivity:
+    input:
+        TABLES / "navigation_curves.parquet",
+    output:
+        TABLES / "navigation_sensitivity.parquet",
+    log:
+        LOGS / "navigation_sensitivity.log",
+    params:
+        config=RESOLVED,
+        settings=settings("navigation_sensitivity"),
+    message:
+        "comparing the steps to other thresholds, and by the seeds of the confirmation"
+    shell:
+        "sensory-commutativity table navigation_sensitivity --config {params.config:q} --out {output:q} {input:q} 2> {log:q}"
+
+
 rule navigation_profiles:
     input:
         TABLES / "navigation_scores.parquet",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 from pathlib import Path
 
 import click
@@ -54,6 +56,8 @@ def resolve(files: tuple[str, ...], out: Path) -> None:
 @out_option
 def schema(out: Path) -> None:
     """Write the JSON schema of the configuration."""
+    if not out.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(out))
     with atomic_write(out) as temporary:
         temporary.write_text(json.dumps(json_schema(), indent=2) + "\n", encoding="utf-8")
 

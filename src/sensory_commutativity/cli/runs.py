@@ -134,7 +134,7 @@ def checksums(out: Path) -> None:
 @click.option("--files-only", is_flag=True, help="Do not check whether the files belong together.")
 @click.option("--no-redraw", is_flag=True, help="Do not draw the figures again to compare them.")
 def verify(folder: Path, remove: bool, files_only: bool, no_redraw: bool) -> None:
-    """Check that the files of a run are as they were made, and that they belong together.
+    """Check that a run is whole and belongs together.
 
     RUN is a folder like results/default. Names every file that is damaged, missing or changed.
     Files are compared with the checksums that the workflow writes at its end; files without one are

@@ -17,7 +17,8 @@ from ..scp.estimate import estimate_scp
 from ..scp.world import Dof
 from ..storage.columns import FLOAT, INT, TEXT, Column
 from ..storage.provenance import environment
-from ..storage.tables import has_column, read_metadata, read_table, write_table
+from ..storage.seal import SEAL_KEY
+from ..storage.tables import ROWS_HASH, has_column, read_metadata, read_table, write_table
 from . import controls, returning
 from .arguments import check_thresholds
 from .order import DofOrder, order_dofs
@@ -274,7 +275,8 @@ class Measurement:
         )
         if not complete or not n or (frame["distance"].isna().any() and not gaps):
             raise TableError(f"{path}: experiments are missing or out of order; measure again")
-        metadata.pop("table", None)
+        for key in ("table", ROWS_HASH, SEAL_KEY):
+            metadata.pop(key, None)
         distances = frame["distance"].to_numpy().reshape(n, len(dofs))
         controls = {
             column.name: frame[column.name].to_numpy().reshape(n, len(dofs))

@@ -4,8 +4,9 @@ The wrappers apply to any Gymnasium environment whose actions are a `Box` of [-1
 
 A degree of freedom with a low SCP rarely commutes: it interacts with the environment a lot.
 `truncated` keeps the half of the degrees of freedom with the lowest SCP; `adapted` scales the
-interval of each by l(SCP). Two controls that are not in the paper show whether the SCP itself
-matters or any reduction helps: `random-half` and `inverse`.
+interval of each by l(SCP). Controls that are not in the paper show whether the SCP itself matters
+or any reduction helps: `random-half` and `inverse`; and, for agents with a base, `base-random`,
+which keeps the base and as many others at random as `truncated` keeps in all.
 
 >>> scp = {"drive": 0.6, "turn": 0.7, "lift": 0.9, "blink": 1.0}
 >>> action_scales("truncated", scp)
@@ -27,6 +28,8 @@ from gymnasium.vector.utils import batch_space
 
 from ..errors import UserError
 
+BASE = "base-"
+"""What the names of the degrees of freedom begin with that move the agent as a whole."""
 Scp = Mapping[str, float]
 """Degree of freedom -> SCP in [0, 1], in the order of the environment's actions."""
 
@@ -79,6 +82,31 @@ def keep_random_half(scp: Scp, rng: np.random.Generator | None = None) -> dict[s
     return _keep(scp, [dofs[i] for i in rng.choice(len(dofs), (len(dofs) + 1) // 2, replace=False)])
 
 
+def keep_base_and_random(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
+    """Keep what moves the base and random others, half of all, rounded up (control).
+
+    A half that lacks the base may be unable to solve a task in which the agent has to get
+    somewhere; this control asks whether the SCP chooses more than the base.
+
+    Raises
+    ------
+    ValueError
+        Without a generator, or if no degree of freedom has a name that starts with BASE, or more
+        than half of them have.
+    """
+    if rng is None:
+        raise ValueError("the action space base-random needs a random generator")
+    base = [dof for dof in scp if dof.startswith(BASE)]
+    others = [dof for dof in scp if dof not in base]
+    n = (len(scp) + 1) // 2 - len(base)
+    if not base or n < 0:
+        raise ValueError(
+            f"the action space base-random needs degrees of freedom called {BASE}..., at most half "
+            f"of all; these are {', '.join(scp)}"
+        )
+    return _keep(scp, [*base, *(others[i] for i in rng.choice(len(others), n, replace=False))])
+
+
 def keep_high_scp(scp: Scp, rng: np.random.Generator | None = None) -> dict[str, float]:
     """Keep the half with the highest SCP, rounded up (control)."""
     return _keep(scp, _sort_by_scp(scp)[len(scp) // 2 :])
@@ -88,6 +116,7 @@ ACTION_SPACES: dict[str, Callable[[Scp, np.random.Generator | None], dict[str, f
     "full": keep_all,
     "truncated": keep_low_scp,
     "adapted": scale_by_scp,
+    "base-random": keep_base_and_random,
     "random-half": keep_random_half,
     "inverse": keep_high_scp,
 }
@@ -105,7 +134,7 @@ def action_scales(
     scp : mapping of str to float
         Degree of freedom -> SCP in [0, 1].
     rng : Generator, optional
-        Required by ``random-half``; the others ignore it.
+        Required by ``random-half`` and ``base-random``; the others ignore it.
 
     Returns
     -------

@@ -56,10 +56,17 @@ GROUP_COLOURS = {
 """Colours of groups of joints; other groups get the remaining colours."""
 
 SPACE_COLOURS = {
-    "full": BLACK, "truncated": BLUE, "adapted": VERMILION, "random-half": GREEN, "inverse": PURPLE
+    "full": BLACK, "truncated": BLUE, "adapted": VERMILION, "base-random": ORANGE,
+    "random-half": GREEN, "inverse": PURPLE,
 }  # fmt: skip
-SPACE_MARKERS = {"full": "o", "truncated": "s", "adapted": "^", "random-half": "D", "inverse": "v"}
-SPACE_LINES = {"full": "-", "truncated": "-", "adapted": "-", "random-half": "--", "inverse": ":"}
+SPACE_MARKERS = {
+    "full": "o", "truncated": "s", "adapted": "^", "base-random": "P", "random-half": "D",
+    "inverse": "v",
+}  # fmt: skip
+SPACE_LINES = {
+    "full": "-", "truncated": "-", "adapted": "-", "base-random": "-.", "random-half": "--",
+    "inverse": ":",
+}  # fmt: skip
 MEASURE_LABELS = {
     "final_return": "final return",
     "auc": "mean return over the run",

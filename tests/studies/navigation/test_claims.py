@@ -13,6 +13,9 @@ from sensory_commutativity.studies.navigation.tables.navigation_comparisons impo
     WELCH,
     navigation_comparisons,
 )
+from sensory_commutativity.studies.navigation.tables.navigation_sensitivity import (
+    navigation_sensitivity,
+)
 from sensory_commutativity.studies.navigation.tables.navigation_summary import navigation_summary
 
 TWICE = "SCP-truncated learns more than twice as fast as the full action space"
@@ -23,6 +26,30 @@ PAIRS = [("truncated", "full"), ("adapted", "full"), ("truncated", "adapted")]
 
 def make_rows(table, rows: list[dict]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=table.column_names)
+
+
+def make_sensitivity(ratio_at_45: float = 0.4, confirmation: bool = True) -> pd.DataFrame:
+    """A table navigation_sensitivity in which the ratio is below a half, but perhaps at 45."""
+    rows = []
+    for runs in ("all", "first look", "confirmation") if confirmation else ("all",):
+        for threshold in (10.0, 25.0, 35.0, 45.0):
+            ratio = ratio_at_45 if threshold == 45 else 0.4
+            rows.append(dict(runs=runs, threshold=threshold, a="truncated", b="full", n=30,
+                             ratio=ratio, ci_low=ratio - 0.05, ci_high=ratio + 0.05, p=1e-6,
+                             p_half=0.006))  # fmt: skip
+    return make_rows(navigation_sensitivity, rows)
+
+
+def test_the_claim_of_twice_as_fast_says_whether_it_depends_on_the_threshold(default_config):
+    def twice(sensitivity: pd.DataFrame):
+        claims = navigation_claims(*make_tables(60), sensitivity, default_config)
+        return next(claim for claim in claims if claim.claim == TWICE)
+
+    assert twice(make_sensitivity()).verdict == "holds"
+    claim = twice(make_sensitivity(0.47))
+    assert claim.holds and claim.verdict == "holds in part" and "0.47 at 45" in claim.limits
+    assert "the 30 seeds drawn after the first look alone: 0.40 [0.35, 0.45]" in claim.our_value
+    assert "first look" not in twice(make_sensitivity(confirmation=False)).our_value
 
 
 def make_tables(n: int) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -45,7 +72,7 @@ def make_tables(n: int) -> tuple[pd.DataFrame, pd.DataFrame]:
 def test_claims_hold_and_fail_one_by_one(default_config):
     alpha = default_config.navigation.alpha
     tables = make_tables(len(default_config.navigation.seeds))
-    claims = navigation_claims(*tables, default_config)
+    claims = navigation_claims(*tables, make_sensitivity(), default_config)
     assert [claim.claim for claim in claims if not claim.holds] == []
     assert len({claim.claim for claim in claims}) == 4
     assert all(claim.section and claim.paper_value and claim.our_value for claim in claims)
@@ -67,5 +94,5 @@ def test_claims_hold_and_fail_one_by_one(default_config):
         changed[k] = tables[k].assign(
             **{key: tables[k][key].mask(rows, value) for key, value in changes.items()}
         )
-        claims = navigation_claims(*changed, default_config)
+        claims = navigation_claims(*changed, make_sensitivity(), default_config)
         assert [claim.claim for claim in claims if not claim.holds] == [failing], (values, changes)

@@ -143,7 +143,8 @@ def test_examples_show_the_experiments_that_were_chosen_by_their_scores(
                 rows.append(("raft", test_set, 0, i, "random", OUTCOMES[k], "moved", iou, iou,
                              1, 2, 2))  # fmt: skip
     scores = pd.DataFrame(rows, columns=mask_scores.column_names)
-    files = [*pairs, *tuples, model, write_frame(mask_scores, config, tmp_path, scores)]
+    complete = pd.concat([scores.assign(model=name) for name in builders.MODELS])
+    files = [*pairs, *tuples, model, write_frame(mask_scores, config, tmp_path, complete)]
     out = tmp_path / "mask_examples.h5"
     runner.write_product(mask_examples, config, files, out)
     arrays, test_sets = read_examples([out])

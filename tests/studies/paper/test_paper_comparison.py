@@ -51,8 +51,8 @@ def table(default_config, monkeypatch):
     table = paper_comparison(*frames, default_config)
     tables = dict(zip(INPUTS, frames, strict=True))
     assert given[:3] == [(tables, default_config)] * 3
-    assert given[3] == (*(f"frame navigation_{name}" for name in ("summary", "comparisons")),
-                        default_config)  # fmt: skip
+    names = "summary", "comparisons", "sensitivity"
+    assert given[3] == (*(f"frame navigation_{name}" for name in names), default_config)
     return table
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 EVALUATION_ONLY = {
     "seeds", "action_spaces", "calibration_splits", "threshold_return", "solved_success_rate",
-    "primary_measure", "alpha",
+    "primary_measure", "alpha", "sensitivity_thresholds", "confirmation_seeds",
 }  # fmt: skip
 """Keys of the section `navigation` that no single training run depends on."""
 

@@ -5,7 +5,11 @@ from __future__ import annotations
 from ...storage.columns import INT, TEXT, Column
 
 ACTION_SPACE = Column(
-    "action_space", TEXT, "", "full, truncated, adapted, random-half or inverse", key=True
+    "action_space",
+    TEXT,
+    "",
+    "full, truncated, adapted, or a control: base-random, random-half, inverse",
+    key=True,
 )
 RUN = (ACTION_SPACE, Column("seed", INT, "1", "number of the training run", key=True))
 PAIR = (

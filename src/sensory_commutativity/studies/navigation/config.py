@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from ...storage.settings import Name, Section
 
-ActionSpace = Literal["full", "truncated", "adapted", "random-half", "inverse"]
+ActionSpace = Literal["full", "truncated", "adapted", "base-random", "random-half", "inverse"]
 PAPER_SPACES = ("full", "truncated", "adapted")
 Measure = Literal["final_return", "auc", "success_rate", "steps_to_threshold"]
 
@@ -114,7 +114,7 @@ class NavigationConfig(Section):
     action_spaces: list[ActionSpace] = Field(
         min_length=3,
         description="full, truncated and adapted, which the paper compares, and any of the "
-        "controls random-half and inverse.",
+        "controls base-random, random-half and inverse.",
     )
     seeds: list[Annotated[int, Field(ge=0, lt=2**32)]] = Field(
         min_length=4, description="A training run of every action space for each of them."
@@ -138,6 +138,18 @@ class NavigationConfig(Section):
     threshold_return: float = Field(
         25.0,
         description="A run has learned the task at its first evaluation with this mean return.",
+    )
+    sensitivity_thresholds: list[float] = Field(
+        [10.0, 35.0, 45.0],
+        max_length=20,
+        description="Other threshold returns at which the steps are compared; they decide nothing "
+        "alone.",
+    )
+    confirmation_seeds: int = Field(
+        0,
+        ge=0,
+        description="The last so many seeds were drawn after the data of the others had been "
+        "looked at; they are also compared alone.",
     )
     solved_success_rate: float = Field(
         0.9,
@@ -180,6 +192,11 @@ class NavigationConfig(Section):
                 raise ValueError(
                     f"{key} holds {', '.join(twice)} more than once; remove what is repeated"
                 )
+        if self.confirmation_seeds and not 4 <= self.confirmation_seeds <= len(self.seeds) - 4:
+            raise ValueError(
+                f"confirmation_seeds {self.confirmation_seeds} leaves less than four of the "
+                f"{len(self.seeds)} seeds on a side; set 0, or 4 to {max(4, len(self.seeds) - 4)}"
+            )
         missing = [name for name in PAPER_SPACES if name not in self.action_spaces]
         if missing:
             raise ValueError(

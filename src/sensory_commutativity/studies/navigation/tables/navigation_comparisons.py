@@ -31,7 +31,7 @@ CROSS_CHECKED = ("final_return", "auc", STEPS)
 WELCH, RANKS, HOWELL = "Welch", "Welch, ranks", "Games-Howell"
 MANN_WHITNEY, PERMUTATION = "Mann-Whitney", "permutation"
 HALF, LOG_RANK = "Welch, against half of b", "log-rank"
-_FASTEST_FIRST = ("truncated", "adapted", "random-half", "full", "inverse")
+_FASTEST_FIRST = ("truncated", "adapted", "base-random", "random-half", "full", "inverse")
 """Expected order of learning, according to the paper or, for the controls, to their design."""
 
 

@@ -22,6 +22,15 @@ def mean_iou_per_tuple(scores: pd.DataFrame) -> np.ndarray:
         return scores[["iou_1", "iou_2"]].mean(axis=1).to_numpy()
 
 
+def mean_iou_with_empty_masks(scores: pd.DataFrame) -> float:
+    """Mean IoU of all masks, where a mask that is empty and predicted as such counts as 1.
+
+    NaN without rows; the mask of a view in which nothing moved is empty.
+    """
+    both = scores[["iou_1", "iou_2"]].to_numpy(float)
+    return float(np.where(np.isnan(both), 1.0, both).mean()) if len(both) else np.nan
+
+
 def summarize_scores(scores: pd.DataFrame, rng: np.random.Generator) -> dict[str, float]:
     """One row of the table mask_summary, for the scores of one model on one test set.
 
@@ -53,6 +62,8 @@ def summarize_scores(scores: pd.DataFrame, rng: np.random.Generator) -> dict[str
         else (np.nan, np.nan)
     )
     pooled = moved["intersection"].sum() / max(1, moved["union"].sum())
+    masks = np.where((outcome == "moved")[:, None], scores[["iou_1", "iou_2"]], np.nan)
+    per_mask = _mean_of_masks(masks, clusters, counts)
     return dict(
         n=len(scores),
         **{f"n_{name}": int((outcome == name).sum()) for name in OUTCOMES},
@@ -65,11 +76,33 @@ def summarize_scores(scores: pd.DataFrame, rng: np.random.Generator) -> dict[str
         iou_ci_high=iou_high,
         median_iou=float(np.median(iou[defined])) if defined.any() else np.nan,
         pooled_iou=float(pooled) if len(moved) else np.nan,
+        **dict(zip(("mask_iou", "mask_iou_low", "mask_iou_high"), per_mask, strict=True)),
+        iou_with_empty=mean_iou_with_empty_masks(moved),
     )
+
+
+def _mean_of_masks(
+    masks: np.ndarray, clusters: list[np.ndarray], counts: np.ndarray
+) -> tuple[float, float, float]:
+    """Mean of the IoU of all masks that have one, float (n, 2), with its 95 % interval."""
+    from ....statistics.aggregates import percentile_interval
+
+    defined = np.isfinite(masks)
+    if not defined.any():
+        return np.nan, np.nan, np.nan
+    sums = np.array([np.nansum(masks[rows]) for rows in clusters])
+    numbers = np.array([defined[rows].sum() for rows in clusters])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        means = (counts @ sums) / (counts @ numbers)
+    return float(np.nanmean(masks)), *percentile_interval(means[np.isfinite(means)], 0.95)
 
 
 def _nullable(name: str, description: str) -> Column:
     return Column(name, FLOAT, "1", description, nullable=True)
+
+
+def _added(name: str, description: str) -> Column:
+    return Column(name, FLOAT, "1", description, nullable=True, added=True)
 
 
 @table(
@@ -91,6 +124,10 @@ def _nullable(name: str, description: str) -> Column:
         _nullable("iou_ci_high", "upper end"),
         _nullable("median_iou", "median over tuples"),
         _nullable("pooled_iou", "sum of all intersections over sum of all unions"),
+        _added("mask_iou", "mean over masks, the paper's IoU_i: of those that are not both empty"),
+        _added("mask_iou_low", "lower end of its 95 % interval"),
+        _added("mask_iou_high", "upper end"),
+        _added("iou_with_empty", "mean over masks, both empty counting as 1"),
     ),
     inputs=["mask_scores"],
     expected=lambda config: Expected(

@@ -14,17 +14,17 @@ from ...declarations import figure
 from ...plotting import DARK_GREY, GREEN, GREY, ORANGE, VERMILION
 
 _COLUMNS = (
-    (0.0, "the paper says", 58),
-    (0.40, "section", 10),
-    (0.47, "its value", 18),
-    (0.62, "this run", 60),
+    (0.0, "the paper says", 46),
+    (0.31, "section", 10),
+    (0.37, "its value", 18),
+    (0.51, "this run", 60),
 )
 """Position, name and width in characters of each column of text."""
 _VERDICT = 0.955
 """Position of the last column."""
 _LINE = 0.24
 """Height of a line, inches."""
-_RULE_WIDTH = 70
+_RULE_WIDTH = 84
 """Characters in a line of the rule and its limits, which are smaller."""
 _COLOURS = {
     "holds": GREEN, "holds in part": ORANGE, "not shown": DARK_GREY, "does not hold": VERMILION

@@ -19,6 +19,7 @@ INPUTS = (
     "flatland_baselines", "flatland_alternatives", "apartment_scp", "apartment_hierarchy",
     "apartment_order", "mask_summary", "mask_comparisons", "mask_discoveries",
     "local_scp_summary", "navigation_summary", "navigation_comparisons",
+    "navigation_sensitivity",
 )  # fmt: skip
 
 
@@ -64,5 +65,10 @@ def compare_with_paper(tables: dict[str, pd.DataFrame], config: Config):
         *flatland_claims(tables, config),
         *apartment_claims(tables, config),
         *mask_claims(tables, config),
-        *navigation_claims(tables["navigation_summary"], tables["navigation_comparisons"], config),
+        *navigation_claims(
+            tables["navigation_summary"],
+            tables["navigation_comparisons"],
+            tables["navigation_sensitivity"],
+            config,
+        ),
     ]
