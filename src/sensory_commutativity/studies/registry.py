@@ -15,8 +15,8 @@ from ..storage.hashing import digest
 from .config import Config
 from .declarations import Animation, Arrays, Figure, Model, Product, Shard, Table
 
-STUDIES = ("flatland", "apartment", "objects", "navigation", "paper", "atlas")
-OPTIONAL = ("atlas",)
+STUDIES = ("flatland", "apartment", "objects", "navigation", "paper", "atlas", "gallery")
+OPTIONAL = ("atlas", "gallery")
 """Studies that are run by a target of their own."""
 KINDS: dict[type[Product], str] = {
     Table: "table", Arrays: "arrays", Model: "model", Figure: "figure", Animation: "animation"
