@@ -52,7 +52,7 @@ MAX_LENGTH = 700
 
 @pytest.fixture(scope="module")
 def right() -> dict[str, Any]:
-    """The default profile with every default filled in, an atlas, a gallery, and absolute paths of files."""
+    """The default profile, an atlas and a gallery, all filled in, with absolute paths of files."""
     atlas = ROOT / "config" / "atlas.yaml"
     settings = load(DEFAULT, atlas).model_dump(mode="json")
     settings["gallery"] = load(DEFAULT, ROOT / "config/gallery.yaml").model_dump()["gallery"]
