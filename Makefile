@@ -11,7 +11,7 @@ SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet host reason --rerun-incom
 UNLOCK := pgrep -f '[b]in/snakemake' > /dev/null || $(BIN)/python -m snakemake --unlock --quiet all  # the pattern must not match this line itself
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: all default paper reset-free atlas bench scaling replay test coverage lint format lock schema clean help
+.PHONY: all default paper reset-free atlas gallery bench scaling replay test coverage lint format lock schema clean help
 .DEFAULT_GOAL := default
 
 all: default
@@ -40,6 +40,10 @@ reset-free: $(READY)  ## SC-experiments without a reset at the paper's sizes (co
 atlas: $(READY)  ## SCP of 31 standard environments (two hours of a core)
 	@$(UNLOCK)
 	$(SNAKEMAKE) --configfile config/atlas.yaml -- atlas
+
+gallery: $(READY)  ## SCP of ten public robots (an hour of a core; needs the extra gallery)
+	@$(UNLOCK)
+	$(SNAKEMAKE) --configfile config/gallery.yaml -- gallery
 
 bench: $(READY)  ## measure speed and print a table
 	$(BIN)/python benchmarks/bench.py

@@ -52,9 +52,12 @@ MAX_LENGTH = 700
 
 @pytest.fixture(scope="module")
 def right() -> dict[str, Any]:
-    """The default profile with every default filled in, an atlas, and absolute paths of files."""
+    """The default profile, an atlas and a gallery, all filled in, with absolute paths of files."""
     atlas = ROOT / "config" / "atlas.yaml"
-    text = yaml.safe_dump(load(DEFAULT, atlas).model_dump(mode="json"), sort_keys=False)
+    settings = load(DEFAULT, atlas).model_dump(mode="json")
+    settings["gallery"] = load(DEFAULT, ROOT / "config/gallery.yaml").model_dump()["gallery"]
+    settings["gallery"]["robots"] = settings["apartment"]["robots"]  # which need no other package
+    text = yaml.safe_dump(settings, sort_keys=False)
     for folder in ("config/robots/", "config/apartments/"):
         text = text.replace(folder, f"{ROOT}/{folder}")
     settings = yaml.safe_load(text)

@@ -24,7 +24,9 @@ from tests.helpers import DEFAULT, ROOT
 
 EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "200"))
 """Of each kind; FUZZ_EXAMPLES=5000 searches longer."""
-SETTINGS = load(DEFAULT, ROOT / "config" / "atlas.yaml").model_dump(mode="json")
+SETTINGS = load(
+    DEFAULT, ROOT / "config" / "atlas.yaml", ROOT / "config" / "gallery.yaml"
+).model_dump(mode="json")
 TOKENS = [
     "a: ", "seed: ", "- ", "[", "]", "{", "}", "&a ", "*a", "<<: ", "? ", "!!int ",
     "!!python/name:os.system ", "'", '"', "|", ">", "\n", "\n  ", "---", "%YAML 1.1\n", "#", "1",

@@ -191,3 +191,8 @@ def reset_free_outputs():
 def atlas_shards(name):
     """Files of all shards of a table of the atlas; none without a section atlas."""
     return shards(name) if CONFIG.atlas is not None else []
+
+
+def gallery_shards(name):
+    """Files of all shards of a table of the gallery; none without a section gallery."""
+    return shards(name) if CONFIG.gallery is not None else []

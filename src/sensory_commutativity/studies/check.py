@@ -6,6 +6,7 @@ from ..storage.folders import check_writable
 from .apartment.builders import check_apartment
 from .config import Config
 from .flatland.builders import check_rooms
+from .gallery.builders import check_gallery
 from .navigation.builders import check_navigation
 from .objects.builders import check_masks
 
@@ -20,5 +21,6 @@ def check_run(config: Config) -> None:
     check_writable(config.folder, "set the key 'results' to a folder that you may write to")
     check_rooms(config)
     check_apartment(config)
+    check_gallery(config)
     check_masks(config)
     check_navigation(config)

@@ -13,6 +13,7 @@ from ..storage.settings import Name, Section, check_defined
 from .apartment.config import ApartmentConfig
 from .atlas.config import AtlasConfig
 from .flatland.config import FlatlandConfig
+from .gallery.config import GalleryConfig
 from .navigation.config import NavigationConfig
 from .objects.config import MasksConfig
 from .reset_free.config import ResetFreeConfig
@@ -37,6 +38,7 @@ class Config(Section):
         None, description="Without a reset, under noise, and imagined; null leaves it out."
     )
     atlas: AtlasConfig | None = Field(None, description="Environments of the atlas (make atlas).")
+    gallery: GalleryConfig | None = Field(None, description="Robots of the gallery (make gallery).")
 
     @model_validator(mode="after")
     def _check_navigation(self) -> Config:
@@ -121,8 +123,8 @@ class Config(Section):
     def digest(self) -> str:
         """SHA-256 of all settings, hexadecimal; independent of how the file is written."""
         sections = self.model_dump(mode="json")
-        for section in ("reset_free", "atlas"):
-            if sections[section] is None:
-                del sections[section]  # so that a run without it does not depend on it
+        for name in ("reset_free", "atlas", "gallery"):
+            if sections[name] is None:
+                del sections[name]  # so that a run without it does not depend on it
         settings = json.dumps(sections, sort_keys=True)
         return hashlib.sha256(settings.encode()).hexdigest()

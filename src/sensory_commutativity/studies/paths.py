@@ -15,6 +15,8 @@ PATHS = (
     ("apartment", "robots", "*", "description"),
     ("apartment", "scenes", "*", "file"),
     ("apartment", "weights"),
+    ("gallery", "robots", "*", "description"),
+    ("gallery", "scenes", "*", "file"),
 )
 """Keys whose values are paths; ``*`` stands for any name."""
 

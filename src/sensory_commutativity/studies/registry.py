@@ -15,8 +15,10 @@ from ..storage.hashing import digest
 from .config import Config
 from .declarations import Animation, Arrays, Figure, Model, Product, Shard, Table
 
-STUDIES = ("flatland", "apartment", "objects", "navigation", "paper", "reset_free", "atlas")
-OPTIONAL = ("atlas",)
+STUDIES = (
+    "flatland", "apartment", "objects", "navigation", "paper", "reset_free", "atlas", "gallery",
+)  # fmt: skip
+OPTIONAL = ("atlas", "gallery")
 """Studies that are run by a target of their own."""
 LEFT_OUT_BY_NULL = ("reset_free",)
 """Studies that a configuration may leave out, by a section that is null."""

@@ -10,6 +10,7 @@ import difflib
 import importlib.util
 import os
 import stat
+import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from pathlib import Path
@@ -227,7 +228,8 @@ def portable_name(path: Path, folder: Path) -> str:
     """What a file in `folder` calls `path`: package://NAME/REST in an installed package."""
     path = path.resolve()
     for parent in path.parents:
-        if parent.parent.name in ("site-packages", "dist-packages"):
+        home = parent.parent
+        if home.name in ("site-packages", "dist-packages") or home.match("cmeel.prefix/share"):
             if any(parent == found.resolve() for found in _find_python_package(parent.name)):
                 return f"package://{parent.name}/{path.relative_to(parent).as_posix()}"
             break
@@ -242,9 +244,13 @@ def _find_python_package(package: str) -> list[Path]:
     try:
         spec = importlib.util.find_spec(package) if package.isidentifier() else None
     except (ValueError, ImportError):  # __main__
-        return []
+        spec = None
     locations = spec.submodule_search_locations if spec else None
-    return [Path(location) for location in locations or []]
+    # Wheels of cmeel hold ROS packages in a folder of their own.
+    shared = [Path(entry) / "cmeel.prefix" / "share" / package for entry in sys.path if entry]
+    return [Path(location) for location in locations or []] + [
+        folder for folder in shared if folder.is_dir()
+    ]
 
 
 def _set_variables(names: tuple[str, ...]) -> list[str]:

@@ -15,8 +15,6 @@ from ..robots.urdf import Joint, Urdf
 GROUPS = (
     ("wheel", r"wheel|caster"),
     ("hand", r"finger|gripper|thumb|hand|jaw|knuckle|palm|claw|pinky|(^|_)(ff|mf|rf|lf|th)j\d"),
-    ("head", r"head|neck|camera|(^|_)(pan|tilt)(_|$)|eye"),
-    ("torso", r"torso|lift|column|waist|spine|chest|body_yaw"),
     ("hip", r"hip|haa|abduct"),
     ("thigh", r"thigh|hfe|upper_?leg|leg_?upper|knee_?upper"),
     ("calf", r"calf|knee|kfe|lower_?leg|shin"),
@@ -24,6 +22,8 @@ GROUPS = (
     ("shoulder", r"shoulder|upper_?arm_?pan|clavicle"),
     ("elbow", r"elbow|upper_?arm|arm_?extend"),
     ("wrist", r"wrist|forearm|lower_?arm"),
+    ("head", r"head|neck|camera|(^|_)(pan|tilt)(_|$)|eye"),
+    ("torso", r"torso|lift|column|waist|spine|chest|body_yaw"),
 )
 """Groups and what the names of their joints contain, in the order in which they are tried."""
 ORDER = ("wheel", "torso", "shoulder", "elbow", "wrist")

@@ -48,7 +48,7 @@ def load_shape_mesh(shape: Shape, max_faces: int | None = None) -> Mesh:
     return mesh
 
 
-@lru_cache(16)
+@lru_cache(64)
 def _load_cached(path: Path, max_faces: int | None, *version: int) -> Mesh:
     return load_mesh(path, max_faces)
 
