@@ -15,10 +15,11 @@ from sensory_commutativity.runs.verify import verify_run
 from sensory_commutativity.studies.config import Config
 from sensory_commutativity.studies.declarations import Animation, Figure, Table
 from sensory_commutativity.studies.loading import load
-from sensory_commutativity.studies.registry import declarations
+from sensory_commutativity.studies.registry import configured
 from sensory_commutativity.studies.runner import read_product
+from tests.helpers import DEFAULT
 
-from .running import command, copy_workflow, dry_run, run, snakemake
+from .running import BIN, command, copy_workflow, dry_run, run, snakemake
 
 RESULTS = Path("results", "test")
 
@@ -38,11 +39,11 @@ def test_rooms_that_are_too_small_are_refused_before_any_job(tmp_path: Path) -> 
 
 def test_every_table_and_figure_is_there_and_nothing_unfinished(finished: Path) -> None:
     results, config = finished / RESULTS, load_config(finished)
-    tables = {f"{name}.parquet" for name, table in declarations(Table).items()
+    tables = {f"{name}.parquet" for name, table in configured(Table, config).items()
               if not table.shards_only}  # fmt: skip
     assert {path.name for path in (results / "tables").iterdir()} == tables | {"mask_examples.h5"}
-    figures = {f"{name}.{kind}" for name in declarations(Figure) for kind in ("png", "pdf")}
-    for animation in declarations(Animation).values():
+    figures = {f"{name}.{kind}" for name in configured(Figure, config) for kind in ("png", "pdf")}
+    for animation in configured(Animation, config).values():
         runs = animation.shards.all(config) if animation.shards else [None]
         figures |= {animation.file(one).name for one in runs}
     assert {path.name for path in (results / "figures").iterdir()} == figures
@@ -55,7 +56,7 @@ def test_every_table_passes_its_checks_and_tells_its_provenance(
     monkeypatch.chdir(finished)  # where its paths lead from
     config = load_config(finished)
     frames = {}
-    for name, table in declarations(Table).items():
+    for name, table in configured(Table, config).items():
         if table.shards_only:
             continue
         path = finished / RESULTS / table.file()
@@ -159,7 +160,7 @@ def test_the_report_holds_every_figure(finished: Path) -> None:
     result = snakemake(finished, "--report", "report.html")
     assert result.returncode == 0, result.stderr
     text = (finished / "report.html").read_text()
-    assert all(name in text for name in declarations(Figure))
+    assert all(name in text for name in configured(Figure, load_config(finished)))
 
 
 def test_bad_settings_stop_before_any_job(tmp_path: Path) -> None:
@@ -181,3 +182,17 @@ def test_bad_settings_stop_before_any_job(tmp_path: Path) -> None:
         messages = [line for line in result.stderr.splitlines() if line.startswith("error: ")]
         assert len(messages) == 1 and key in messages[0], setting
         assert files() == before, setting
+
+
+def test_the_study_without_a_reset_is_planned_where_the_configuration_has_it(
+    tmp_path: Path,
+) -> None:
+    folder = copy_workflow(tmp_path / "planned")
+    line = [BIN / "snakemake", "--cores", "1", "--dry-run", "--quiet", "host"]
+    plan = run([*line, "--configfile", "config/reset-free.yaml", "--", "reset_free"], folder)
+    assert plan.returncode == 0, plan.stderr
+    planned = set(re.findall(r"^(\w+) +\d+$", plan.stdout, re.MULTILINE))
+    expected = {name for name in configured(Table, load(DEFAULT)) if name.startswith("reset_free")}
+    assert expected | {"reset_free_trials_shard", "figure_reset_free_scp"} <= planned
+    left_out = run([*line, "--configfile", "config/test.yaml"], folder)
+    assert left_out.returncode == 0 and "reset_free_scp" not in left_out.stdout

@@ -26,7 +26,7 @@ from ..studies.config import Config
 from ..studies.declarations import Arrays, Model, Product, Shard, Table
 from ..studies.loading import load
 from ..studies.provenance import INPUTS
-from ..studies.registry import declarations
+from ..studies.registry import configured
 from .checksums import GROUPS, MANIFEST, read_manifest
 from .entries import find_link, list_files
 from .origin import read_own_origin
@@ -199,7 +199,7 @@ def _find_wrong_files(
     """Files that are incomplete, or were computed with other settings than the run has."""
     kinds: tuple[type[Table] | type[Arrays] | type[Model], ...] = (Table, Arrays, Model)
     for kind in kinds:
-        for product in declarations(kind, optional=config.atlas is not None).values():
+        for product in configured(kind, config, optional=config.atlas is not None).values():
             for shard in _shards(product, config, origins):
                 name = str(product.file(shard))
                 if name not in origins:

@@ -19,7 +19,7 @@ from ..studies.config import Config
 from ..studies.declarations import Arrays, Figure, Table
 from ..studies.plotting import render_figure
 from ..studies.provenance import INPUTS
-from ..studies.registry import declarations, input_shards
+from ..studies.registry import configured, input_shards
 from .origin import read_own_origin
 
 DRAWN_BY = ("matplotlib", "pillow", "numpy")
@@ -46,7 +46,7 @@ def find_stale_figures(
         Figures that cannot be drawn.
     """
     stale, notes = [], []
-    for figure in declarations(Figure, optional=config.atlas is not None).values():
+    for figure in configured(Figure, config, optional=config.atlas is not None).values():
         png = str(figure.file())
         if png not in names:
             continue

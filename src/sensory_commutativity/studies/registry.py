@@ -58,7 +58,7 @@ def declarations(kind: type[P], optional: bool = False) -> dict[str, P]:
     return {name: product for name, product in found.items() if isinstance(product, kind)}
 
 
-def configured(kind: type[P], config: Config) -> dict[str, P]:
+def configured(kind: type[P], config: Config, optional: bool = False) -> dict[str, P]:
     """As :func:`declarations`, without studies that the configuration leaves out."""
     folders = ("figures",) if kind in (Figure, Animation) else ("tables", "arrays", "models")
     left_out = {study for study in LEFT_OUT_BY_NULL if getattr(config, study) is None}
@@ -66,7 +66,7 @@ def configured(kind: type[P], config: Config) -> dict[str, P]:
         name for folder in folders for name, study in _modules(folder).items()
         if study in left_out
     }  # fmt: skip
-    return {name: one for name, one in declarations(kind).items() if name not in names}
+    return {name: one for name, one in declarations(kind, optional).items() if name not in names}
 
 
 def table_names() -> tuple[str, ...]:
