@@ -77,7 +77,7 @@ schema: $(READY)  ## rewrite config/schema.json after a change to the models of 
 	$(BIN)/sensory-commutativity config schema --out config/schema.json
 
 lock: $(READY)  ## pin the environment anew (needs uv)
-	uv pip compile -q --universal --no-header --python-version 3.11 pyproject.toml --extra workflow --extra slurm --extra environments --extra test \
+	uv pip compile -q --universal --no-header --python-version 3.11 pyproject.toml --extra workflow --extra slurm --extra environments --extra xacro --extra docs --extra test \
 		--custom-compile-command "make lock" -o requirements.lock
 
 clean:  ## remove the results of the default and test profiles
