@@ -11,7 +11,7 @@ SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet host reason --rerun-incom
 UNLOCK := pgrep -f '[b]in/snakemake' > /dev/null || $(BIN)/python -m snakemake --unlock --quiet all  # the pattern must not match this line itself
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: all default paper reset-free atlas gallery bench scaling replay test coverage lint format lock schema clean help
+.PHONY: all default paper reset-free atlas gallery calibration flips bench scaling replay test coverage lint format lock schema clean help
 .DEFAULT_GOAL := default
 
 all: default
@@ -44,6 +44,14 @@ atlas: $(READY)  ## SCP of 31 standard environments (two hours of a core)
 gallery: $(READY)  ## SCP of ten public robots (an hour of a core; needs the extra gallery)
 	@$(UNLOCK)
 	$(SNAKEMAKE) --configfile config/gallery.yaml -- gallery
+
+calibration: $(READY)  ## simulate the coverage of every interval and the level of every test (minutes)
+	@$(UNLOCK)
+	$(SNAKEMAKE) -- results/default/tables/calibration.parquet
+	$(BIN)/python -c "import pandas; print(pandas.read_parquet('results/default/tables/calibration.parquet').to_string(index=False))"
+
+flips: $(READY)  ## flip 1,000 bits in files of every kind: none may change a result unnoticed
+	SENCOM_FLIPS=1000 $(BIN)/python -m pytest -q tests/adversarial/test_damage.py
 
 bench: $(READY)  ## measure speed and print a table
 	$(BIN)/python benchmarks/bench.py

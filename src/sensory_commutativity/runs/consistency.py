@@ -199,7 +199,7 @@ def _find_wrong_files(
     """Files that are incomplete, or were computed with other settings than the run has."""
     kinds: tuple[type[Table] | type[Arrays] | type[Model], ...] = (Table, Arrays, Model)
     for kind in kinds:
-        for product in configured(kind, config, optional=config.atlas is not None).values():
+        for product in configured(kind, config, optional=True).values():
             for shard in _shards(product, config, origins):
                 name = str(product.file(shard))
                 if name not in origins:

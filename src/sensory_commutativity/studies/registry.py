@@ -17,8 +17,9 @@ from .declarations import Animation, Arrays, Figure, Model, Product, Shard, Tabl
 
 STUDIES = (
     "flatland", "apartment", "objects", "navigation", "paper", "reset_free", "atlas", "gallery",
+    "calibration",
 )  # fmt: skip
-OPTIONAL = ("atlas", "gallery")
+OPTIONAL = ("atlas", "gallery", "calibration")
 """Studies that are run by a target of their own."""
 LEFT_OUT_BY_NULL = ("reset_free",)
 """Studies that a configuration may leave out, by a section that is null."""
