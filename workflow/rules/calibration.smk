@@ -6,11 +6,11 @@ rule calibration:
         TABLES / "calibration.parquet",
     log:
         LOGS / "calibration.log",
+    resources:
+        runtime=scale_with_attempt(60),
     params:
         config=RESOLVED,
         settings=settings("calibration"),
-    resources:
-        runtime=scale_with_attempt(60),
     message:
         "simulating the coverage of intervals and the level of tests"
     shell:
