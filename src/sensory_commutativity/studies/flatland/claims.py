@@ -49,6 +49,7 @@ def flatland_claims(tables: dict[str, pd.DataFrame], config: Config) -> list[Cla
         return rows[(rows["world"] == reference.world) & (rows["agent"] == reference.agent)]
 
     pairs = of_reference(pairs)
+    others = other_conditions(tables["flatland_comparisons"], config.flatland)
     commutation = tables["flatland_commutation"]
     return [
         *_still_and_moving(of_reference(scp).set_index("dof")),
