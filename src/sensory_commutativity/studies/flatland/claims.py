@@ -53,15 +53,7 @@ def flatland_claims(tables: dict[str, pd.DataFrame], config: Config) -> list[Cla
     commutation = tables["flatland_commutation"]
     return [
         *_still_and_moving(of_reference(scp).set_index("dof")),
-        *[
-            _step(
-                name,
-                steps,
-                pairs,
-                other_conditions(tables["flatland_comparisons"], config.flatland),
-            )
-            for name, steps in HIERARCHY.items()
-        ],
+        *[_step(name, steps, pairs, others) for name, steps in HIERARCHY.items()],
         _left_equals_right(pairs, config.flatland.equivalence_margin),
         *_appendix_b(scp, tables["flatland_trends"], config),
         _philipona(commutation, reference.world, "where things move by themselves"),
