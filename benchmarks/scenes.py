@@ -2,8 +2,8 @@
 
     python benchmarks/scenes.py docs/images/scenes.png
 
-Every scene is made from the furniture of rs-stand-in: as OBJ with a texture, GLB with materials, PLY
-with vertex colours, a scan of 250,000 noisy faces, and with faces of mixed orientation.
+Every scene is made from the furniture of rs-stand-in: as OBJ with a texture, GLB with materials,
+PLY with vertex colours, with faces of mixed orientation, and as a noisy scan of 250,000 faces.
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ def main(out: Path) -> None:
             axes.imshow(image)
             axes.set_title(f"{title}\n{faces:,} faces", fontsize="small")
             axes.set_axis_off()
-    figure.savefig(out, dpi=110)
+    figure.savefig(out, dpi=110, bbox_inches="tight")
 
 
 if __name__ == "__main__":

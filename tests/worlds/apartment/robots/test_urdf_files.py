@@ -241,6 +241,26 @@ def test_collada_has_the_unit_that_it_names(tmp_path):
     assert np.ptp(part.mesh.vertices, axis=0) == pytest.approx((0.1, 0.1, 0.3))
 
 
+def test_a_mesh_whose_faces_look_inwards_is_seen(tmp_path):
+    for inwards in (False, True):
+        box = trimesh.creation.box((0.1, 0.1, 0.3))
+        box.faces = box.faces[:, ::-1] if inwards else box.faces
+        box.export(tmp_path / "part.stl")
+        robot = load_robot(write_robot(tmp_path, urdf=with_mesh("part.stl")))
+        assert build_body(robot).parts[-1][1].two_sided == inwards
+
+
+def test_a_mesh_has_its_own_colour_where_the_urdf_gives_none(tmp_path):
+    (tmp_path / "part.mtl").write_text("newmtl a\nKd 0 0 1\n")
+    box = trimesh.creation.box((0.1, 0.1, 0.3)).export(file_type="obj")
+    (tmp_path / "part.obj").write_text("mtllib part.mtl\nusemtl a\n" + box)
+    text = with_mesh("part.obj")
+    plain = text[: text.index("<material")] + text[text.index("</material>") + 11 :]
+    for urdf, colour in ((text, (1, 0, 0)), (plain, (0, 0, 1))):
+        robot = load_robot(write_robot(tmp_path, urdf=urdf))
+        assert build_body(robot).parts[-1][1].colour == pytest.approx(colour, abs=0.01)
+
+
 # ---- drive, mimic, inertia -------------------------------------------------------------------
 
 

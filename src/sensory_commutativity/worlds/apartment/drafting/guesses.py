@@ -195,7 +195,7 @@ def _fixed_to(urdf: Urdf, link: str) -> list[str]:
 
 def _round(value: float, digits: int = 4) -> float:
     rounded = float(f"{value:.{digits}g}")
-    return rounded if abs(rounded) >= 1e-6 else 0.0
+    return rounded if abs(rounded) >= 1e-4 else 0.0
 
 
 def _inside(value: float, joint: Joint) -> float:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from .. import frames as fr
-from .urdf import Link, RobotError, Urdf
+from .urdf import Link, RobotError, Shape, Urdf
 from .visuals import build_shape_mesh
 
 
 def link_points(link: Link) -> np.ndarray:
-    """Points on the surface of a link, in its frame: float64 (n, 3), metres.
+    """Outermost points of a link, in its frame: float64 (n, 3), metres.
 
     Of its collision shapes, or of what is visible of it if it has none.
 
@@ -22,8 +25,24 @@ def link_points(link: Link) -> np.ndarray:
         A mesh cannot be read.
     """
     shapes = link.collisions or link.visuals
-    points = [fr.apply(shape.frame, build_shape_mesh(shape).vertices) for shape in shapes]
+    points = [fr.apply(shape.frame, _corners(shape)) for shape in shapes]
     return np.concatenate([np.zeros((0, 3)), *points])
+
+
+def _corners(shape: Shape) -> np.ndarray:
+    """The vertices of a shape, in its frame, of a mesh those of its convex hull: (n, 3)."""
+    if shape.path is None or not shape.path.is_file():
+        return build_shape_mesh(shape).vertices
+    return _mesh_corners(shape.path, shape.size, shape.path.stat().st_mtime_ns)
+
+
+@lru_cache(256)
+def _mesh_corners(path: Path, size: tuple[float, ...], version: int) -> np.ndarray:
+    vertices = build_shape_mesh(Shape("mesh", size, np.eye(4), path)).vertices
+    try:
+        return vertices[ConvexHull(vertices).vertices]
+    except (QhullError, ValueError):  # flat
+        return vertices
 
 
 def measure_wheel_radius(urdf: Urdf, joint: str) -> float:

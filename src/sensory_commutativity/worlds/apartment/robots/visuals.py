@@ -94,7 +94,7 @@ def save_visuals(path: Path, robot: Robot, source_links: dict[str, tuple[int, np
     """
     arrays: dict[str, Any] = {}
     links: list[int] = []
-    colours = []
+    colours, sides = [], []
     for name, (index, frame) in source_links.items():
         link = robot.urdf.links[name]
         for shape in link.visuals or link.collisions:
@@ -102,8 +102,10 @@ def save_visuals(path: Path, robot: Robot, source_links: dict[str, tuple[int, np
             arrays |= {f"{key}-{len(links)}": getattr(part.mesh, key) for key in _MESH_ARRAYS}
             links.append(index)
             colours.append(part.colour)
+            sides.append(part.two_sided)
     colour_array = np.array(colours).reshape(-1, 3)
-    np.savez(path, links=np.array(links, np.int64), colours=colour_array, **arrays)
+    arrays |= {"links": np.array(links, np.int64), "two_sided": np.array(sides, bool)}
+    np.savez(path, colours=colour_array, **arrays)
 
 
 def load_visuals(path: Path) -> tuple[tuple[int, Part], ...]:
@@ -111,9 +113,10 @@ def load_visuals(path: Path) -> tuple[tuple[int, Part], ...]:
     parts = []
     with np.load(path) as arrays:
         colours = arrays["colours"].tolist()
-        for i, (link, (r, g, b)) in enumerate(zip(arrays["links"].tolist(), colours, strict=True)):
+        described = zip(arrays["links"].tolist(), colours, arrays["two_sided"], strict=True)
+        for i, (link, (r, g, b), two_sided) in enumerate(described):
             mesh = Mesh(*(arrays[f"{key}-{i}"] for key in _MESH_ARRAYS))
-            parts.append((link, Part(mesh, (r, g, b))))
+            parts.append((link, Part(mesh, (r, g, b), two_sided=bool(two_sided))))
     return tuple(parts)
 
 
@@ -121,7 +124,9 @@ def _make_part(shape: Shape, frame: np.ndarray, max_faces: int) -> Part:
     """Return the visible part of a shape whose frame in the simulated link is `frame`."""
     mesh = build_shape_mesh(shape, max_faces)
     mesh = replace(mesh, vertices=fr.apply(frame, mesh.vertices))
-    return Part(mesh, shape.colour or _own_colour(shape) or _DEFAULT_COLOUR)
+    inside_out = shape.kind == "mesh" and geometry.volume(mesh) < 0
+    colour = shape.colour or _own_colour(shape) or _DEFAULT_COLOUR
+    return Part(mesh, colour, two_sided=inside_out)
 
 
 def _own_colour(shape: Shape) -> Vector | None:
