@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -51,6 +51,9 @@ class NoiseConfig(Section):
     reset: list[Level] = Field(
         [0.01, 0.03, 0.1, 0.3],
         description="Standard deviations of every coordinate of the start pose, in actions of 1.",
+    )
+    protocols: list[Literal["reset", "return"]] = Field(
+        ["reset", "return"], min_length=1, description="Protocols under which noise is tried."
     )
     quantile: float = Field(
         0.95, gt=0.5, lt=1,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from ..config import Config
 from .builders import reset_free
 
-SENSOR, ACTUATOR, RESET, NONE = "sensor", "actuator", "reset", "none"
+SENSOR, ACTUATOR, RESET = "sensor", "actuator", "reset"
 
 
 class NoiseRun(NamedTuple):
@@ -21,19 +21,19 @@ class NoiseRun(NamedTuple):
         return f"{self.noise}-{self.protocol}"
 
 
-RUNS = tuple(
-    NoiseRun(*run)
-    for run in (
-        (SENSOR, "reset"), (SENSOR, "return"), (ACTUATOR, "reset"), (ACTUATOR, "return"),
-        (RESET, "reset"),
-    )
+RUNS = (
+    NoiseRun(SENSOR, "reset"), NoiseRun(SENSOR, "return"), NoiseRun(ACTUATOR, "reset"),
+    NoiseRun(ACTUATOR, "return"), NoiseRun(RESET, "reset"),
 )  # fmt: skip
 """An imperfect reset needs a reset."""
 
 
 def noise_runs(config: Config) -> dict[str, NoiseRun]:
     """Runs by name; none without a section."""
-    return {run.name: run for run in RUNS} if config.reset_free is not None else {}
+    if config.reset_free is None:
+        return {}
+    protocols = config.reset_free.noise.protocols
+    return {run.name: run for run in RUNS if run.protocol in protocols}
 
 
 def noise_levels(config: Config, run: NoiseRun) -> list[float]:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from ...config import Config
 from ...declarations import figure
 from ...plotting import DOF_COLOURS, DOF_MARKERS, DOF_ORDER, dof_label, error_lengths
-from ..noise import RUNS
+from ..noise import noise_runs
 from ..tables.reset_free_noise import THRESHOLDS
 
 LABELS = {
@@ -24,11 +24,13 @@ LABELS = {
 @figure(
     title="SCP under noise",
     inputs=["reset_free_noise", "reset_free_noise_order"],
+    settings=lambda config: list(noise_runs(config)),
 )
 def reset_free_noise(tables: dict[str, pd.DataFrame], config: Config) -> Figure:
     """A row per threshold and one for Kendall's tau, a column per kind of noise and protocol."""
-    drawn, grid = plt.subplots(3, len(RUNS), figsize=(14, 8), sharey="row", squeeze=False)
-    for column, run in enumerate(RUNS):
+    runs = noise_runs(config)
+    drawn, grid = plt.subplots(3, len(runs), figsize=(14, 8), sharey="row", squeeze=False)
+    for column, run in enumerate(runs.values()):
         for line, threshold in enumerate(THRESHOLDS):
             rows = _select(tables["reset_free_noise"], run.noise, run.protocol)
             _draw_scp(grid[line, column], rows[rows["threshold"] == threshold])

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ....scp.distances import mean_squared_error
-from ....scp.experiment import compare_orders, orders_of_dof
+from ....scp.experiment import orders_of_dof, play_order
 from ....scp.return_protocol import ReturnDistances, compare_legs, play_trial, wander
 from ....scp.world import World
 from ....seeding import generator, seed_for
@@ -28,15 +28,19 @@ WANDER = 50
 
 
 def play_with_truth(
-    world: World, seed: int, length: int, rest_steps: int, k: int
+    world: World, seed: int, length: int, rest_steps: int, k: int, come_back: bool
 ) -> tuple[float, ReturnDistances]:
-    """A trial of degree of freedom `k` from the present situation, and the true distance."""
+    """A trial of degree of freedom `k` from the present situation, and the true distance.
+
+    The first order of the experiment is the first leg of the trial: both begin at the same start.
+    """
     start = world.snapshot()
     sequence, permuted = orders_of_dof(world, seed, length, k)
-    truth = compare_orders(world, start, sequence, permuted, rest_steps)
+    play_order(world, start, permuted, rest_steps)
+    second = world.observe()
     world.restore(start)
-    legs = play_trial(world, sequence, permuted, rest_steps)
-    return mean_squared_error(*truth), compare_legs(legs, mean_squared_error)
+    legs = play_trial(world, sequence, permuted, rest_steps, come_back=come_back)
+    return mean_squared_error(legs.first, second), compare_legs(legs, mean_squared_error)
 
 
 def play_life(
@@ -52,7 +56,8 @@ def play_life(
                 wander(world, seed_for(trial, dof.name), WANDER)
             else:
                 world.restore(start)
-            yield j, dof.name, *play_with_truth(world, trial, length, rest_steps, k)
+            found = play_with_truth(world, trial, length, rest_steps, k, come_back=trials > 1)
+            yield j, dof.name, *found
 
 
 def _settings(config: Config, run: str) -> object:
