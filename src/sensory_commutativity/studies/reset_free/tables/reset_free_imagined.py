@@ -13,6 +13,11 @@ from ..columns import DOF
 from .reset_free_imagined_experiments import ENVIRONMENT
 
 
+def _expected(config: Config) -> Expected:
+    runs = imagined_runs(config)
+    return Expected(("environment",) if runs else (), {(name,): None for name in runs})
+
+
 @table(
     title="SCP with an imagined order",
     columns=(
@@ -37,9 +42,7 @@ from .reset_free_imagined_experiments import ENVIRONMENT
     inputs=["reset_free_imagined_experiments"],
     settings=lambda config: [[run.threshold, run.quantile] for run in
                              imagined_runs(config).values()],
-    expected=lambda config: Expected(
-        ("environment",), {(name,): None for name in imagined_runs(config)}
-    ),
+    expected=_expected,
 )  # fmt: skip
 def reset_free_imagined(experiments: pd.DataFrame, config: Config) -> pd.DataFrame:
     """Of every action of every environment."""
