@@ -132,7 +132,7 @@ def fixed_number(
     return low
 
 
-FIXED_RUNS = 400
+FIXED_RUNS = 300
 """Simulated runs of each fixed number. Chosen."""
 
 
