@@ -262,7 +262,8 @@ def test_a_setting_changes_what_depends_on_it_and_nothing_else(default_config):
     for sections, roots in (
         ({"flatland": {"thresholds": [0.0, 5.0]}}, {"flatland_scp", "flatland_sensitivity"}),
         ({"flatland": {"rest_steps": 4}},
-         {"flatland_experiments", "flatland_commutation_experiments"}),
+         {"flatland_experiments", "flatland_commutation_experiments", "reset_free_trials",
+          "reset_free_noise_experiments"}),
         ({"flatland": {"commutation": {"settled_rest_steps": 9}}},
          {"flatland_commutation_experiments"}),
         ({"flatland": {"baselines": {"epochs": 3}}}, {"flatland_baselines"}),
