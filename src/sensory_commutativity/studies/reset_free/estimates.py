@@ -35,12 +35,16 @@ def quiet_starts(trials: pd.DataFrame) -> pd.Index:
     return watched.index[(watched["returned"] == 0) & (watched["waited"] == 0)]
 
 
+def shares_starts(of_world: pd.DataFrame) -> bool:
+    """Whether all degrees of freedom of a world were tried from the same starts."""
+    return "life" in of_world and bool((of_world["life"] == of_world["experiment"]).all())
+
+
 def at_quiet_starts(trials: pd.DataFrame) -> pd.DataFrame:
     """Trials from quiet starts, of the worlds whose degrees of freedom share their starts."""
     parts = []
     for _, of_world in trials.groupby("world", sort=False):
-        shares = "life" in of_world and (of_world["life"] == of_world["experiment"]).all()
-        if shares and WATCHER in set(of_world["dof"]):
+        if shares_starts(of_world) and WATCHER in set(of_world["dof"]):
             parts.append(of_world[of_world["experiment"].isin(quiet_starts(of_world))])
     return pd.concat(parts) if parts else trials[:0]
 

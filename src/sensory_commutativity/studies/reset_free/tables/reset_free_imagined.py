@@ -26,7 +26,10 @@ def _expected(config: Config) -> Expected:
         Column("n", INT, "1", "experiments"),
         Column("touched", FLOAT, "1", "share in which bodies touched", nullable=True),
         Column("true_scp", FLOAT, "1", "SCP of the orders that were played"),
-        Column("scp", FLOAT, "1", "SCP with the second order imagined"),
+        Column("scp_imagined", FLOAT, "1", "SCP with both orders imagined, at the same threshold"),
+        Column(
+            "scp", FLOAT, "1", "SCP with the second order imagined, at the calibrated threshold"
+        ),
         *INTERVAL,
         Column("threshold", FLOAT, "1", "a quantile of the model's error on the first order"),
         Column("mean_true", FLOAT, "1", "mean distance of the orders that were played"),
@@ -53,11 +56,13 @@ def reset_free_imagined(experiments: pd.DataFrame, config: Config) -> pd.DataFra
     for (name, dof), group in experiments.groupby(["environment", "dof"], sort=False):
         settings = imagined_runs(config)[str(name)]
         threshold = float(np.quantile(group["error"], settings.quantile))
+        both_imagined = float((group["imagined"] <= settings.threshold).mean())
         commuted = (group["score"] <= threshold).to_numpy()
         events = (group["true"] > settings.threshold).to_numpy()
         low, high = wilson_interval(int(commuted.sum()), len(commuted))
         rows.append(
             (name, dof, len(group), float(group["touched"].mean()), float(1 - events.mean()),
+             both_imagined,
              float(commuted.mean()), float(low), float(high), threshold, group["true"].mean(),
              group["imagined"].mean(), int(events.sum()),
              area_under_roc_curve(group["imagined"].to_numpy(), events),

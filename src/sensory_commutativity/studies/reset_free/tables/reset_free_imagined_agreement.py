@@ -26,8 +26,12 @@ def _expected(config: Config) -> Expected:
         Column("error", FLOAT, "1", "median error of the model at the end of an order"),
         Column("unchanged", FLOAT, "1", "median error of predicting no change"),
         Column(
-            "spearman", FLOAT, "1", "of the true SCPs and those with an imagined order",
+            "spearman", FLOAT, "1", "of the true SCPs and the calibrated ones",
             nullable=True,
+        ),
+        Column(
+            "spearman_imagined", FLOAT, "1",
+            "of the true SCPs and those with both orders imagined", nullable=True,
         ),
         Column(
             "spearman_distance", FLOAT, "1",
@@ -57,6 +61,7 @@ def reset_free_imagined_agreement(experiments: pd.DataFrame, config: Config) -> 
         rows.append(
             (name, len(actions), int(actions["n"].iloc[0]), group["error"].median(),
              group["unchanged"].median(), _spearman(actions["true_scp"], actions["scp"]),
+             _spearman(actions["true_scp"], actions["scp_imagined"]),
              _spearman(actions["mean_true"], actions["mean_imagined"]), int(events.sum()),
              area_under_roc_curve(scores, events),
              area_under_roc_curve(scores[touches], events[touches]))

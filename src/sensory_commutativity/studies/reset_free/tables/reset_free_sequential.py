@@ -21,6 +21,7 @@ from ...declarations import table
 from ...flatland.builders import DOFS
 from ..builders import reset_free
 from ..config import SequentialConfig
+from ..estimates import shares_starts
 
 LOOK = 10
 """Starts between two looks. Chosen."""
@@ -131,7 +132,7 @@ def fixed_number(
     return low
 
 
-FIXED_RUNS = 400
+FIXED_RUNS = 300
 """Simulated runs of each fixed number. Chosen."""
 
 
@@ -223,6 +224,8 @@ def _cases(trials: pd.DataFrame, settings: SequentialConfig) -> list[tuple[str, 
         ("none", bernoulli_case("margin", steps)),
     ]
     for world, group in trials.groupby("world", sort=False):
+        if not shares_starts(group):
+            continue  # degrees of freedom are compared at the same starts
         for protocol, column in (("reset", "reset"), ("return", "distance")):
             wide = group.pivot(index="experiment", columns="dof", values=column)[list(DOFS)]
             cases.append((protocol, recorded_case(str(world), (wide == 0).to_numpy())))
