@@ -45,7 +45,7 @@ class _Resolver:
         self.missing: dict[str, str] = {}
 
     def get(self, name: str) -> bytes:
-        name = str(name).strip().strip('"')
+        name = _without_options(str(name).strip().strip('"'))
         try:
             path = locate(name, self._folder)
             check_file(path, MAX_BYTES)
@@ -71,6 +71,16 @@ class _Resolver:
 
     def write(self, name: str, data: bytes) -> None:
         raise PermissionError(name)
+
+
+def _without_options(name: str) -> str:
+    """The name of a picture in an MTL file, without options such as ``-s 1 1 1``."""
+    words = name.split(" ")
+    while words and re.fullmatch(r"-[A-Za-z]\w*", words[0]):
+        words.pop(0)
+        while len(words) > 1 and re.fullmatch(r"[-+.\d][-+.\deE]*|on|off|[rgbmlz]", words[0]):
+            words.pop(0)
+    return " ".join(words)
 
 
 def load_mesh(path: Path, max_faces: int | None = None) -> Mesh:
@@ -325,7 +335,21 @@ def _face_colours(mesh: Any) -> np.ndarray | None:
             of_material = np.flatnonzero(chosen == k)
             colours[of_material] = _material_colours(mesh, material, of_material)
         return colours
+    if _is_default(visual.material):
+        return None
     return _material_colours(mesh, visual.material, np.arange(n))
+
+
+def _is_default(material: Any) -> bool:
+    """Whether a material is the one that trimesh gives to meshes without a material."""
+    import trimesh
+
+    simple = trimesh.visual.material.SimpleMaterial
+    return (
+        type(material) is simple
+        and material.image is None
+        and (list(material.diffuse) == list(simple().diffuse))
+    )
 
 
 def _material_colours(mesh: Any, material: Any, faces: np.ndarray) -> np.ndarray:
