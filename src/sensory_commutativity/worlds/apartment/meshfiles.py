@@ -34,6 +34,8 @@ SAMPLES = 2_000_000
 _PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tif", ".tiff", ".tga", ".webp", ".dds",
              ".ktx2", ".hdr", ".exr")  # fmt: skip
 _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
+GREY = (4, (100, 100, 100))
+"""Pixels, and their colour, of the picture that trimesh invents for a mesh without one."""
 _UNIT = re.compile(rb"<unit\b[^<>]{0,200}?\bmeter\s*=\s*[\"']([^\"'<>]{1,40})[\"']")
 
 
@@ -344,12 +346,10 @@ def _is_default(material: Any) -> bool:
     """Whether a material is the one that trimesh gives to meshes without a material."""
     import trimesh
 
-    simple = trimesh.visual.material.SimpleMaterial
-    return (
-        type(material) is simple
-        and material.image is None
-        and (list(material.diffuse) == list(simple().diffuse))
-    )
+    simple, image = trimesh.visual.material.SimpleMaterial, getattr(material, "image", None)
+    if type(material) is not simple or list(material.diffuse) != list(simple().diffuse):
+        return False
+    return image is None or (image.size == (2, 2) and image.convert("RGB").getcolors() == [GREY])
 
 
 def _material_colours(mesh: Any, material: Any, faces: np.ndarray) -> np.ndarray:

@@ -297,6 +297,17 @@ def test_a_drive_that_contradicts_the_urdf_is_refused(tmp_path):
         check_shapes(load_robot(write_robot(tmp_path, settings, car())))
 
 
+def test_a_robot_of_a_size_that_makes_no_sense_is_refused(tmp_path):
+    far = ARM_URDF.replace("0 0 .5", "0 0 45").replace('xyz=".25 0 0"', 'xyz="0 0 30"')
+    tiny = ARM_URDF
+    for number in (".3 .3 .2", ".5 .05 .05", "0 0 .5", ".25 0 0"):
+        tiny = tiny.replace(number, " ".join(f"{float(n) / 1000}" for n in number.split()))
+    for text, message in ((far, "the whole robot is 75"), (tiny, "the whole robot is 0.0")):
+        robot = load_robot(write_robot(tmp_path, urdf=text))
+        with pytest.raises(RobotError, match=message):
+            check_shapes(robot)
+
+
 def test_a_joint_that_mimics_another_follows_it(tmp_path):
     grip = {"name": "grip", "joints": ["grip"], "unit": "m", "velocity": 0.1, "group": "hand"}
     start = {"turn": [0, 0], "grip": [0.01, 0.02]}
