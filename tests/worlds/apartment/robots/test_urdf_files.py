@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 
 import numpy as np
@@ -137,6 +138,21 @@ def test_what_is_no_urdf_is_told_with_cause_and_remedy(tmp_path):
         with pytest.raises(RobotError) as error:
             read_urdf(write_urdf(tmp_path, text))
         assert message in str(error.value) and "\n" not in str(error.value), (case, error.value)
+
+
+def test_a_file_that_is_no_xml_is_refused_in_linear_time(tmp_path):
+    size = 2_000_000
+    for case, text in {
+        "blanks in the declaration": "<?xml" + " " * size,
+        "open comments": "<robot>" + "<!--" * (size // 4),
+        "open instructions": "<robot>" + "<?a" * (size // 3),
+        "prefixes": "<robot>" + " a:" * (size // 3),
+        "ampersands": "<robot>" + "&#1" * (size // 3),
+    }.items():
+        start = time.process_time()
+        with pytest.raises(RobotError):
+            read_urdf(write_urdf(tmp_path, text))
+        assert time.process_time() - start < 5, case
 
 
 def test_only_regular_files_are_opened(tmp_path):
