@@ -34,6 +34,8 @@ SAMPLES = 2_000_000
 _PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tif", ".tiff", ".tga", ".webp", ".dds",
              ".ktx2", ".hdr", ".exr")  # fmt: skip
 _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
+GREY = (4, (100, 100, 100))
+"""Pixels, and their colour, of the picture that trimesh invents for a mesh without one."""
 _UNIT = re.compile(rb"<unit\b[^<>]{0,200}?\bmeter\s*=\s*[\"']([^\"'<>]{1,40})[\"']")
 
 
@@ -45,7 +47,7 @@ class _Resolver:
         self.missing: dict[str, str] = {}
 
     def get(self, name: str) -> bytes:
-        name = str(name).strip().strip('"')
+        name = _without_options(str(name).strip().strip('"'))
         try:
             path = locate(name, self._folder)
             check_file(path, MAX_BYTES)
@@ -71,6 +73,16 @@ class _Resolver:
 
     def write(self, name: str, data: bytes) -> None:
         raise PermissionError(name)
+
+
+def _without_options(name: str) -> str:
+    """The name of a picture in an MTL file, without options such as ``-s 1 1 1``."""
+    words = name.split(" ")
+    while words and re.fullmatch(r"-[A-Za-z]\w*", words[0]):
+        words.pop(0)
+        while len(words) > 1 and re.fullmatch(r"[-+.\d][-+.\deE]*|on|off|[rgbmlz]", words[0]):
+            words.pop(0)
+    return " ".join(words)
 
 
 def load_mesh(path: Path, max_faces: int | None = None) -> Mesh:
@@ -325,7 +337,19 @@ def _face_colours(mesh: Any) -> np.ndarray | None:
             of_material = np.flatnonzero(chosen == k)
             colours[of_material] = _material_colours(mesh, material, of_material)
         return colours
+    if _is_default(visual.material):
+        return None
     return _material_colours(mesh, visual.material, np.arange(n))
+
+
+def _is_default(material: Any) -> bool:
+    """Whether a material is the one that trimesh gives to meshes without a material."""
+    import trimesh
+
+    simple, image = trimesh.visual.material.SimpleMaterial, getattr(material, "image", None)
+    if type(material) is not simple or list(material.diffuse) != list(simple().diffuse):
+        return False
+    return image is None or (image.size == (2, 2) and image.convert("RGB").getcolors() == [GREY])
 
 
 def _material_colours(mesh: Any, material: Any, faces: np.ndarray) -> np.ndarray:

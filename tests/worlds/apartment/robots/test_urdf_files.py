@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 
 import numpy as np
@@ -137,6 +138,21 @@ def test_what_is_no_urdf_is_told_with_cause_and_remedy(tmp_path):
         with pytest.raises(RobotError) as error:
             read_urdf(write_urdf(tmp_path, text))
         assert message in str(error.value) and "\n" not in str(error.value), (case, error.value)
+
+
+def test_a_file_that_is_no_xml_is_refused_in_linear_time(tmp_path):
+    size = 2_000_000
+    for case, text in {
+        "blanks in the declaration": "<?xml" + " " * size,
+        "open comments": "<robot>" + "<!--" * (size // 4),
+        "open instructions": "<robot>" + "<?a" * (size // 3),
+        "prefixes": "<robot>" + " a:" * (size // 3),
+        "ampersands": "<robot>" + "&#1" * (size // 3),
+    }.items():
+        start = time.process_time()
+        with pytest.raises(RobotError):
+            read_urdf(write_urdf(tmp_path, text))
+        assert time.process_time() - start < 5, case
 
 
 def test_only_regular_files_are_opened(tmp_path):
@@ -295,6 +311,17 @@ def test_a_drive_that_contradicts_the_urdf_is_refused(tmp_path):
     settings = {**CAR, "drive": {**CAR["drive"], "wheel_radius": 100}}
     with pytest.raises(RobotError, match=r"has a wheel of 0\.1 m"):
         check_shapes(load_robot(write_robot(tmp_path, settings, car())))
+
+
+def test_a_robot_of_a_size_that_makes_no_sense_is_refused(tmp_path):
+    far = ARM_URDF.replace("0 0 .5", "0 0 45").replace('xyz=".25 0 0"', 'xyz="0 0 30"')
+    tiny = ARM_URDF
+    for number in (".3 .3 .2", ".5 .05 .05", "0 0 .5", ".25 0 0"):
+        tiny = tiny.replace(number, " ".join(f"{float(n) / 1000}" for n in number.split()))
+    for text, message in ((far, "the whole robot is 75"), (tiny, "the whole robot is 0.0")):
+        robot = load_robot(write_robot(tmp_path, urdf=text))
+        with pytest.raises(RobotError, match=message):
+            check_shapes(robot)
 
 
 def test_a_joint_that_mimics_another_follows_it(tmp_path):

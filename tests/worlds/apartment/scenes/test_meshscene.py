@@ -152,6 +152,11 @@ def test_colours_of_materials_and_pictures_are_seen(tmp_path):
             {(1.0, 0.0, 0.0): 12},
         ),
         (
+            "newmtl red\nmap_Kd -s 1 1 1 -clamp on a.png\n",
+            "usemtl red\nvt 0 1\nvt 1 1\nvt 1 .8",
+            {(1.0, 0.0, 0.0): 12},
+        ),
+        (
             "newmtl red\nKd 0 0 0\nmap_Kd palette.png\n",
             "usemtl red\nvt 0 0\nvt 1 0\nvt 1 .2",
             {(0.0, 0.0, 1.0): 12},

@@ -12,6 +12,7 @@ import numpy as np
 from .robot import Robot
 from .shape_sizes import measure_extent, measure_wheel_radius
 from .urdf import Joint, RobotError
+from .urdf_elements import MAX_LENGTH
 from .visuals import load_shape_mesh
 
 MAX_DIFFERENCE = 0.1
@@ -144,6 +145,11 @@ def check_shapes(robot: Robot) -> None:
         raise RobotError(
             f"{where} the whole robot is {np.ptp(extent, axis=0).max():g} m long; write lengths in "
             "metres, and correct the scale of its meshes"
+        )
+    if extent is not None and np.ptp(extent, axis=0).max() > MAX_LENGTH:
+        raise RobotError(
+            f"{where} the whole robot is {np.ptp(extent, axis=0).max():g} m long, more than "
+            f"{MAX_LENGTH:g} m; write metres (are these millimetres?)"
         )
     drive = robot.description.drive
     if drive is None or drive.wheel_radius is None:

@@ -19,6 +19,8 @@ MAX_BYTES = 20_000_000
 """Size of a file; chosen: twenty times that of the largest URDF that was found."""
 MAX_ELEMENTS = 200_000
 """Chosen: a hundred times that of a humanoid with two hands."""
+HEAD = 300
+"""Characters in which the XML declaration is looked for; chosen: three times the longest."""
 MAX_DEPTH = 100
 """Levels of elements; chosen: a URDF has six, and extensions of simulators ten more."""
 
@@ -105,7 +107,7 @@ def _checked(text: str) -> str:
     if "<!ENTITY" in text:
         raise FileError("declares entities, which are not read; write out what they stand for")
     # The text is decoded, so what the declaration says about its bytes no longer holds.
-    return _DECLARED_ENCODING.sub(r"\1", text, count=1)
+    return _DECLARED_ENCODING.sub(r"\1", text[:HEAD], count=1) + text[HEAD:]
 
 
 def repair(text: str) -> str:
