@@ -29,10 +29,12 @@ def test_a_measurement_that_is_stopped_at_random_times_continues_and_is_the_same
     rng = np.random.default_rng(0)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGINT):
         process = start(tmp_path, *MEASURE, "--out", "m.parquet")
-        time.sleep(float(rng.uniform(0.25, 1.5)))  # before that Python itself starts
+        time.sleep(float(rng.uniform(0.25, 1.5)))
         process.send_signal(number)
         _, errors = process.communicate(timeout=60)
-        assert "Traceback" not in errors and process.returncode in (0, 130, -number), errors
+        # on a busy machine Python itself may still be starting, and print a traceback of its own
+        assert "sensory_commutativity" not in errors, errors
+        assert process.returncode in (0, 130, -number), errors
         assert not list(tmp_path.glob("*.part*"))
     for out in ("m.parquet", "whole.parquet"):
         assert start(tmp_path, *MEASURE, "--out", out).wait(60) == 0
