@@ -185,9 +185,7 @@ def _object(field: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any] | N
     return found if "properties" in found else None
 
 
-def _entries(
-    field: dict[str, Any], schema: dict[str, Any]
-) -> tuple[str, dict[str, Any]] | None:
+def _entries(field: dict[str, Any], schema: dict[str, Any]) -> tuple[str, dict[str, Any]] | None:
     """What stands for an entry, and the section that each is, of a mapping or list of sections."""
     found = _resolve(field, schema)
     mappings = [found.get("additionalProperties"), *found.get("patternProperties", {}).values()]
@@ -256,7 +254,10 @@ def table_pages(config: Config) -> dict[str, str]:
         own = [one for one in tables.values() if _study(one) == study]
         pictures = [one for one in drawn.values() if _study(one) == study]
         title = f"Tables: {study.replace('_', ' ')}"
-        lines = [f"# {title}", f"Tables and figures of the study `{study}`, as declared in the code."]
+        lines = [
+            f"# {title}",
+            f"Tables and figures of the study `{study}`, as declared in the code.",
+        ]
         for table in own:
             lines += _table_section(table, config)
         if pictures:
@@ -321,7 +322,9 @@ def _escape_text(text: str) -> str:
 
 def _table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
     """A Markdown table; empty if there is no row."""
-    lines = [" | ".join(cell.replace("|", r"\|").replace("\n", " ") for cell in row) for row in rows]
+    lines = [
+        " | ".join(cell.replace("|", r"\|").replace("\n", " ") for cell in row) for row in rows
+    ]
     if not lines:
         return ""
     head = [" | ".join(header), " | ".join("---" for _ in header)]

@@ -8,9 +8,11 @@
 from __future__ import annotations
 
 import sys
+import tempfile
 from pathlib import Path
 
 import nbformat
+from jupyter_client.manager import AsyncKernelManager
 from nbclient import NotebookClient
 from nbformat import NotebookNode
 
@@ -26,14 +28,18 @@ def run(notebook: Path) -> NotebookNode:
     Raises nbclient's CellExecutionError if a cell fails.
     """
     content = nbformat.read(notebook, as_version=4)
-    client = NotebookClient(
-        content,
-        timeout=TIMEOUT,
-        kernel_name="python3",
-        record_timing=False,
-        resources={"metadata": {"path": str(notebook.parent)}},
-    )
-    client.execute()
+    with tempfile.TemporaryDirectory() as folder:
+        client = NotebookClient(
+            content,
+            timeout=TIMEOUT,
+            coalesce_streams=True,
+            record_timing=False,
+            resources={"metadata": {"path": str(notebook.parent)}},
+        )
+        client.km = AsyncKernelManager(
+            kernel_name="python3", transport="ipc", ip=f"{folder}/kernel"
+        )  # sockets in a folder of its own instead of open ports
+        client.execute()
     for number, cell in enumerate(content.cells):
         cell.id = f"cell-{number}"
         cell.metadata = NotebookNode()
