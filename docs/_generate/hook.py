@@ -132,7 +132,11 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 ROLE = re.compile(r":(?:attr|class|data|exc|func|meth|mod|obj):<code>[.~]*([^<]*)</code>")
 
+CELL = re.compile(r"<td[^>]*><code>[^<]*</code>")
+
 
 def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Roles of reStructuredText, which docstrings contain, as plain names."""
-    return ROLE.sub(lambda match: f"<code>{html.escape(match[1])}</code>", content)
+    """Roles of reStructuredText, which docstrings contain, as plain names; long names in tables
+    may break after a dot or an underscore."""
+    content = ROLE.sub(lambda match: f"<code>{html.escape(match[1])}</code>", content)
+    return CELL.sub(lambda match: re.sub(r"([._/])(?=\w)", r"\1<wbr>", match[0]), content)

@@ -6,6 +6,7 @@ a folder with the configuration and the committed tables.
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import shlex
@@ -75,7 +76,7 @@ def test_no_other_kind_of_block() -> None:
     assert {block.language for block in BLOCKS} <= kinds
     for page in PAGES:  # an indented block would be run by no test
         lines = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S).splitlines()
-        for before, line in zip(lines, lines[1:], strict=False):
+        for before, line in itertools.pairwise(lines):
             indented = line.startswith("    ") and not before.strip()
             assert not indented, f"{page.name}: {line!r}: fence it"
 

@@ -81,7 +81,8 @@ def test_every_key_of_the_configuration_is_listed() -> None:
 
 def test_links_are_valid_in_the_repository_and_on_the_site() -> None:
     text = (
-        "[a](../config/README.md#b) ![c](../results/paper/figures/flatland_scp.png) [d](cluster.md) "
+        "[a](../config/README.md#b) ![c](../results/paper/figures/flatland_scp.png) "
+        "[d](cluster.md) "
         "[e](tutorials/x.ipynb) [f](../src) [g](https://x.org) [![h](i.png)](../README.md)\n"
         "```text\n[j](../LICENSE)\n```\n[k](../LICENSE)"
     )
