@@ -11,7 +11,7 @@ SNAKEMAKE := $(BIN)/snakemake --cores $(CORES) --quiet host reason --rerun-incom
 UNLOCK := pgrep -f '[b]in/snakemake' > /dev/null || $(BIN)/python -m snakemake --unlock --quiet all  # the pattern must not match this line itself
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: all default paper reset-free atlas gallery calibration flips bench scaling replay test coverage lint format lock schema clean help
+.PHONY: all default paper reset-free atlas gallery calibration flips bench scaling replay test coverage lint format lock schema docs docs-serve pages clean help
 .DEFAULT_GOAL := default
 
 all: default
@@ -70,19 +70,30 @@ coverage: $(READY)  ## branch coverage of all tests that do not run the workflow
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadscope --ignore=tests/workflow --cov --cov-report=term
 
 lint: $(READY)  ## check style, types and the layers of the package
-	$(BIN)/ruff check src tests benchmarks
-	$(BIN)/ruff format --check src tests benchmarks
+	$(BIN)/ruff check src tests benchmarks docs/_generate
+	$(BIN)/ruff format --check src tests benchmarks docs/_generate
 	$(BIN)/snakefmt --check workflow
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
 format: $(READY)  ## rewrite code and workflow in that style
-	$(BIN)/ruff check --fix src tests benchmarks
-	$(BIN)/ruff format src tests benchmarks
+	$(BIN)/ruff check --fix src tests benchmarks docs/_generate
+	$(BIN)/ruff format src tests benchmarks docs/_generate
 	$(BIN)/snakefmt workflow
 
 schema: $(READY)  ## rewrite config/schema.json after a change to the models of the configuration
 	$(BIN)/sensory-commutativity config schema --out config/schema.json
+
+docs: $(READY)  ## build the documentation site in build/site; warnings are errors
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+	@echo "site: build/site/index.html"
+
+docs-serve: $(READY)  ## show the documentation site while you write it
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs serve
+
+pages: $(READY)  ## rewrite what pages show of results/paper: the claims, and the outputs of the notebooks
+	$(BIN)/python docs/_generate/results.py
+	$(BIN)/python docs/_generate/run_notebooks.py
 
 lock: $(READY)  ## pin the environment anew (needs uv)
 	uv pip compile -q --universal --no-header --python-version 3.11 pyproject.toml --extra workflow --extra slurm --extra environments --extra xacro --extra docs --extra test \
