@@ -105,6 +105,15 @@ def test_the_navigation_takes_pages_as_they_come() -> None:
     ]
 
 
+def test_names_in_tables_may_break_and_roles_are_plain_names() -> None:
+    content = "<td><code>a.b_c</code></td><td>0</td><td><code>[1.0]</code></td><p><code>a.b</code>"
+    expected = content.replace("a.b_c", "a.<wbr>b_<wbr>c")
+    assert hook.on_page_content(content, None, None, None) == expected
+    role = ":class:<code>~a.World</code> and :func:<code>.measure</code>"
+    plain = "<code>a.World</code> and <code>measure</code>"
+    assert hook.on_page_content(role, None, None, None) == plain
+
+
 # ---- results ----------------------------------------------------------------------------------
 
 CLAIMS = pd.DataFrame(
