@@ -132,11 +132,16 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 ROLE = re.compile(r":(?:attr|class|data|exc|func|meth|mod|obj):<code>[.~]*([^<]*)</code>")
 
-CELL = re.compile(r"<td[^>]*><code>[^<]*</code>")
+CELL_CODE = re.compile(r"(<td[^>]*><code>)([^<]*)(?=</code>)")
 
 
 def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Roles of reStructuredText, which docstrings contain, as plain names; long names in tables
     may break after a dot or an underscore."""
     content = ROLE.sub(lambda match: f"<code>{html.escape(match[1])}</code>", content)
-    return CELL.sub(lambda match: re.sub(r"([._/])(?=\w)", r"\1<wbr>", match[0]), content)
+    return CELL_CODE.sub(lambda match: match[1] + _breakable(match[2]), content)
+
+
+def _breakable(name: str) -> str:
+    """A name that may break after a dot, an underscore or a slash between its parts."""
+    return re.sub(r"(?<=[A-Za-z])([._/])(?=\w)", r"\1<wbr>", name)

@@ -317,15 +317,20 @@ def _names(inputs: Iterable[str]) -> str:
 def _escape_text(text: str) -> str:
     """Text that Markdown shows as it is, apart from code in backticks."""
     text = " ".join(text.replace("``", "`").split())
-    return re.sub(r"([*_<\[\]])(?=(?:[^`]*`[^`]*`)*[^`]*$)", r"\\\1", text)
+    text = re.sub(r"<(?=(?:[^`]*`[^`]*`)*[^`]*$)", "&lt;", text)
+    return re.sub(r"([*_\[\]])(?=(?:[^`]*`[^`]*`)*[^`]*$)", r"\\\1", text)
 
 
 def _table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
     """A Markdown table; empty if there is no row."""
-    lines = [
-        " | ".join(cell.replace("|", r"\|").replace("\n", " ") for cell in row) for row in rows
-    ]
+    lines = [" | ".join(_cell(cell) for cell in row) for row in rows]
     if not lines:
         return ""
     head = [" | ".join(header), " | ".join("---" for _ in header)]
     return "\n".join(f"| {line} |" for line in [*head, *lines])
+
+
+def _cell(text: str) -> str:
+    """A cell of a table; a bar in code is not escaped, since it would show the backslash."""
+    parts = text.replace("\n", " ").split("`")
+    return "`".join(part if i % 2 else part.replace("|", r"\|") for i, part in enumerate(parts))

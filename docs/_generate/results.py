@@ -94,7 +94,11 @@ def _details(number: int, row: pd.Series) -> list[str]:
     interval = ""
     if pd.notna(row["ci_low"]) and pd.notna(row["ci_high"]):
         interval = f", 95 % interval [{_number(row['ci_low'])}, {_number(row['ci_high'])}]"
-    rows = [("paper", row["paper_value"]), ("measured", f"{row['our_value']}{interval}")]
+    rows = [
+        ("verdict", f"**{row['result']}**"),
+        ("paper", row["paper_value"]),
+        ("measured", f"{row['our_value']}{interval}"),
+    ]
     for name in row.index:
         if name not in SHOWN | {"result"} and isinstance(row[name], str) and row[name]:
             rows.append((name, row[name]))
@@ -107,11 +111,14 @@ def _details(number: int, row: pd.Series) -> list[str]:
             f"| command | `sencom figure {found.figure} --config {RUN}/config.yaml "
             f"--out {found.figure}.png` |",
         ]
-    table = ["| | |", "| --- | --- |", *(f"| {name} | {_cell(text)} |" for name, text in rows)]
+    first, *others = [
+        f"| {name} | {text if name == 'verdict' else _cell(text)} |" for name, text in rows
+    ]
+    table = [first, "| --- | --- |", *others]
     title = (
         f'<a id="claim-{number}"></a>\n\n#### {number}. {_cell(row["claim"])} ({row["section"]})'
     )
-    return [title, f"**{row['result']}**", "\n".join([*table, *shown])]
+    return [title, "\n".join([*table, *shown])]
 
 
 def _number(value: float) -> str:
@@ -119,7 +126,7 @@ def _number(value: float) -> str:
 
 
 def _cell(text: str) -> str:
-    return " ".join(str(text).split()).replace("|", r"\|").replace("<", r"\<").replace("*", r"\*")
+    return " ".join(str(text).split()).replace("|", r"\|").replace("<", "&lt;").replace("*", r"\*")
 
 
 def read_claims(file: Path = TABLE) -> pd.DataFrame:

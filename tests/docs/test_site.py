@@ -54,6 +54,13 @@ def test_every_public_name_is_documented(site: Path) -> None:
     assert not re.search(r":(class|func|meth|mod):<code>", text)
 
 
+def test_nothing_is_shown_escaped(site: Path) -> None:
+    for page in [*(site / "reference").rglob("*.html"), site / "results" / "index.html"]:
+        assert not re.search(r"\\[|<_*&]", page.read_text(encoding="utf-8").split("<article")[1]), (
+            page
+        )
+
+
 def test_every_command_and_table_has_a_section() -> None:
     page = reference.commands_page()
     for name in COMMANDS:
@@ -105,6 +112,15 @@ def test_the_navigation_takes_pages_as_they_come() -> None:
     ]
 
 
+def test_names_in_tables_may_break_and_roles_are_plain_names() -> None:
+    content = "<td><code>a.b_c</code></td><td>0</td><td><code>[1.0]</code></td><p><code>a.b</code>"
+    expected = content.replace("a.b_c", "a.<wbr>b_<wbr>c")
+    assert hook.on_page_content(content, None, None, None) == expected
+    role = ":class:<code>~a.World</code> and :func:<code>.measure</code>"
+    plain = "<code>a.World</code> and <code>measure</code>"
+    assert hook.on_page_content(role, None, None, None) == plain
+
+
 # ---- results ----------------------------------------------------------------------------------
 
 CLAIMS = pd.DataFrame(
@@ -123,7 +139,9 @@ CLAIMS = pd.DataFrame(
 def test_claims_of_tables_with_and_without_verdicts() -> None:
     block = results.claims_block(CLAIMS)
     assert "2 claims: holds 1, does not hold 1." in block
-    assert r"fetch: wheels \< arm \| lowest" in block and "0.35, 95 % interval [0.3, 0.4]" in block
+    assert (
+        r"fetch: wheels &lt; arm \| lowest" in block and "0.35, 95 % interval [0.3, 0.4]" in block
+    )
     extended = CLAIMS.assign(verdict=["holds in part", "not shown"], rule=["p below .01", ""])
     block = results.claims_block(extended)
     assert "**holds in part**" in block and "**not shown**" in block
