@@ -170,7 +170,8 @@ class FlatlandConfig(Section):
     equivalence_margin: float = Field(
         0.02, gt=0, lt=1,
         description="Left and right count as equal if tests show that their SCPs differ by less; "
-        "chosen before the test: no smaller difference can be read from the bars in the paper.",
+        "chosen when the committed run was known: no smaller difference can be read from the bars "
+        "in the paper.",
     )  # fmt: skip
     experiments_per_job: int = Field(
         2500,

@@ -39,7 +39,11 @@ INPUTS = (
             nullable=True,
         ),
         Column("holds", BOOL, "", "whether the rule is met in this run"),
-        Column("rule", TEXT, "", "the rule, fixed before the run", added=True),
+        Column(
+            "rule", TEXT, "",
+            "the rule; verdicts were defined when the committed run was known",
+            added=True,
+        ),
         Column("limits", TEXT, "", "what the rule does not show; may be empty", added=True),
         Column(
             "verdict", TEXT, "", "holds, holds in part, not shown, or does not hold", added=True
