@@ -214,7 +214,7 @@ ERRORS = {
     "measure corridor -o box": "-o box: expected KEY=VALUE",
     "measure corridor -o boxes=1": "no option 'boxes'; it has wall, box",
     "measure corridor --robot fetch": "--robot and --scene belong to the world apartment",
-    "measure --robot fetsh": "there is no robot 'fetsh'; choose one of fetch",
+    "measure --robot fetsh": "there is no robot 'fetsh'; choose one of allegro-hand, fetch",
     "measure own.py:World": "own.py: there is no such file",
     "check os:nothing": "os: has no nothing",
     "check nowhere.at.all:World": "there is no such module",

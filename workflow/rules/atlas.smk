@@ -142,6 +142,7 @@ rule figure_atlas_scp:
     shell:
         "sensory-commutativity figure atlas_scp --config {params.config:q} --out {output.png:q} {input:q} 2> {log:q}"
 
+
 rule learning_scp:
     output:
         TABLES / "learning_scp.parquet",

@@ -14,7 +14,7 @@ import pandas as pd
 
 from ....storage.columns import BOOL, FLOAT, INT, INTERVAL, TEXT, Column
 from ...config import Config
-from ...declarations import Batched, table
+from ...declarations import Batched, Expected, table
 from .mask_comparisons import REFERENCE_MODEL
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     ),
     inputs=[f"mask_predictor/{REFERENCE_MODEL}", "local_scp_experiments"],
     settings=lambda config: config.masks.map.scene,
+    expected=lambda config: Expected((), {}),  # no pose may be free at a coarse spacing
 )  # fmt: skip
 def local_scp(predictor: Path, experiments: list[Path], config: Config) -> Batched:
     """Apply a predictor to the pictures of all poses."""
