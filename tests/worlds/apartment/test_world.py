@@ -97,7 +97,7 @@ def test_impossible_starts_are_reported(empty):
         (
             full,
             r"scene 'full' with robot 'jackrabbot': none of 20 random poses is a valid start "
-            r"\(20 touch something\)",
+            r"\(20 touch something",
         ),
         (Scene("none", (), (), ()), "no area in which a robot may start"),
     ):
