@@ -36,9 +36,14 @@ def predict(
 
 def check_inputs(first: Path, second: Path, predictor: Path | None) -> None:
     """Check the files before torch is imported, which takes seconds. Raises UserError."""
+    from importlib.util import find_spec
+
     from ..storage.files import check_regular_file
     from ..storage.pictures import read_photo
 
+    if find_spec("torch") is None:
+        with extra_needed("change-detection"):
+            raise ModuleNotFoundError(name="torch")
     if predictor is not None:
         check_regular_file(predictor, UserError, "give a trained predictor")
     for path in (first, second):
