@@ -12,7 +12,7 @@ inverse. It ends near where it began, and the next trial can go on from there.
 >>> import numpy as np
 >>> from sensory_commutativity import Corridor, inverse
 >>> world = Corridor(wall=1)
->>> forth_and_back = np.array([[1, 0], [1, 0], [-1, 0.0]])  # blocked by the wall: the way back ends elsewhere
+>>> forth_and_back = np.array([[1, 0], [1, 0], [-1, 0.0]])  # blocked: the way back ends elsewhere
 >>> legs = play_trial(world, forth_and_back, inverse(-forth_and_back))
 >>> compare_legs(legs, lambda a, b: float(abs(a - b).sum())).returned
 1.0
