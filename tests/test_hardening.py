@@ -241,6 +241,10 @@ def test_a_mesh_in_another_folder_is_read_and_nothing_is_written_there(tmp_path)
     trimesh.creation.box((4.0, 4.0, 0.1)).export(room)
     room.write_text("mtllib ../../no/such.mtl\n" + room.read_text())
     (own / "scene.yaml").write_text("kind: mesh\nname: a\nmesh: ../shared/room.obj\n")
+    message = refusal(SceneError, lambda: load_scene(own / "scene.yaml"), "no such colours")
+    assert "such.mtl" in message and "colours: false" in message
+    with (own / "scene.yaml").open("a") as file:
+        file.write("colours: false\n")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     assert load_scene(own / "scene.yaml").areas
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
@@ -265,7 +269,9 @@ def test_malformed_meshes_are_refused_in_one_line(tmp_path, marker):
         (tmp_path / f"room.{suffix}").write_bytes(pickle.dumps(Hostile(marker)))
         scene.write_text(f"kind: mesh\nname: a\nmesh: room.{suffix}\n")
         message = refusal(SceneError, lambda: load_scene(scene), suffix)
-        assert "scene.yaml" in message and "cannot be read" in message
+        # Text without faces is an OBJ file, though one that holds nothing.
+        reasons = {"obj": "holds no triangles", "glb": "is not glTF", "gltf": "is not glTF"}
+        assert "scene.yaml" in message and reasons.get(suffix, "cannot be read") in message
 
 
 # ---- names and folders ------------------------------------------------------------------------

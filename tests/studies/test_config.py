@@ -15,6 +15,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sensory_commutativity.errors import ConfigError
 from sensory_commutativity.studies.config import Config
 from sensory_commutativity.studies.flatland.config import Run
 from sensory_commutativity.studies.loading import (
@@ -193,13 +194,18 @@ def test_merge_examples():
 
 def test_an_overlay_can_remove_keys(default_settings):
     assert default_settings["masks"]["fixed"]
-    for nothing in ({}, None):
-        overlay = {"masks": {"fixed": nothing}, "apartment": {"robots": {"jackrabbot": None}}}
-        overlay["apartment"] |= {"robots_compared": {"robots": []}}
-        for group in ("scenes_compared", "free_space", "within_reach"):
-            overlay["apartment"][group] = {"robots": ["fetch"]}
-        config = validate(merge(default_settings, overlay))
-        assert config.masks.fixed == {} and list(config.apartment.robots) == ["fetch"]
+    overlay = {"masks": {"fixed": {}}, "apartment": {"robots": {"jackrabbot": None}}}
+    overlay["apartment"] |= {"robots_compared": {"robots": []}}
+    for group in ("scenes_compared", "free_space", "within_reach"):
+        overlay["apartment"][group] = {"robots": ["fetch"]}
+    config = validate(merge(default_settings, overlay))
+    assert config.masks.fixed == {} and list(config.apartment.robots) == ["fetch"]
+
+
+@pytest.mark.parametrize("key", ["sequence_length", "sequnce_length"])
+def test_null_does_not_remove_a_setting_nor_hide_a_misspelt_one(default_settings, key):
+    with pytest.raises(ConfigError, match=rf"flatland\.{key}: "):
+        validate(merge(default_settings, {"flatland": {key: None}}))
 
 
 def test_what_snakemake_merged_loses_the_keys_that_an_overlay_removes():

@@ -7,6 +7,7 @@ write nothing, and answer at once.
 
 from __future__ import annotations
 
+import copy
 import subprocess
 import sys
 import time
@@ -56,7 +57,8 @@ def right() -> dict[str, Any]:
     atlas = ROOT / "config" / "atlas.yaml"
     settings = load(DEFAULT, atlas).model_dump(mode="json")
     settings["gallery"] = load(DEFAULT, ROOT / "config/gallery.yaml").model_dump()["gallery"]
-    settings["gallery"]["robots"] = settings["apartment"]["robots"]  # which need no other package
+    # The robots of the apartment need no other package. A copy: YAML would make one of the two.
+    settings["gallery"]["robots"] = copy.deepcopy(settings["apartment"]["robots"])
     text = yaml.safe_dump(settings, sort_keys=False)
     for folder in ("config/robots/", "config/apartments/"):
         text = text.replace(folder, f"{ROOT}/{folder}")

@@ -58,6 +58,7 @@ class Setting(NamedTuple):
     path: tuple[str | int, ...]
     schema: dict[str, Any]
     value: Any
+    removable: bool = False  # an entry of a mapping whose keys are names: null leaves it out
 
     @property
     def key(self) -> str:
@@ -77,11 +78,13 @@ def resolve(schema: dict[str, Any]) -> dict[str, Any]:
     return schema
 
 
-def walk(schema: dict[str, Any], value: Any, path: tuple = ()) -> Iterator[Setting]:
+def walk(
+    schema: dict[str, Any], value: Any, path: tuple = (), removable: bool = False
+) -> Iterator[Setting]:
     """All settings; of lists, and of mappings with free keys, the first element."""
     schema = resolve(schema)
     if path:
-        yield Setting(path, schema, value)
+        yield Setting(path, schema, value, removable)
     if "properties" in schema:
         for key, inner in schema["properties"].items():
             yield from walk(inner, value[key], (*path, key))
@@ -90,7 +93,7 @@ def walk(schema: dict[str, Any], value: Any, path: tuple = ()) -> Iterator[Setti
         inner = schema.get("additionalProperties") or next(
             iter(schema["patternProperties"].values())
         )
-        yield from walk(inner, value[key], (*path, key))
+        yield from walk(inner, value[key], (*path, key), removable=True)
     elif schema["type"] == "array" and value:
         yield from walk(schema["items"], value[0], (*path, 0))
 
@@ -163,7 +166,8 @@ def of_another_type(right: dict[str, Any]) -> Iterator[Wrong]:
     """Every setting in turn has a value of every wrong type."""
     for setting in walk(SCHEMA, right):
         for value in WRONG_TYPES[setting.schema["type"]]:
-            if not (value is None and setting.schema.get("nullable")) and value != setting.value:
+            nullable = setting.removable or setting.schema.get("nullable")
+            if not (value is None and nullable) and value != setting.value:
                 layer = layer_for(right, setting.path, value)
                 yield Wrong(layer, setting.key, (f"got {value!r}; ",))
 
@@ -214,7 +218,7 @@ def out_of_range(right: dict[str, Any]) -> Iterator[Wrong]:
 
 KEYS = (
     Wrong("flatland: {reference: {zzz: 3}}", "flatland.reference.zzz", ("world, agent, exper",)),
-    Wrong("flatland: {agents: {Big: {}}}", "flatland.agents.Big", ("pattern",)),
+    Wrong("flatland: {agents: {Big: {}}}", "flatland.agents.Big", ("write 'big'",)),
     Wrong("flatland: {agents: {2: {}}}", "flatland.agents", ("the key 2 is not text",)),
     Wrong('"new\\nline": 1', "new\\nline"),
     Wrong('"seed\\n": 1', "seed\\n"),

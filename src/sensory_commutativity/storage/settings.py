@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Annotated, Any
+from typing import Annotated, Any, get_origin
 
-from pydantic import BaseModel, ConfigDict, StringConstraints
+from pydantic import BaseModel, ConfigDict, StringConstraints, model_validator
 
 NAME_PATTERN = r"^[a-z0-9]+(-[a-z0-9]+)*$"
 Name = Annotated[str, StringConstraints(pattern=NAME_PATTERN, max_length=40)]
@@ -16,9 +16,25 @@ NO_EFFECT: dict[str, Any] = {"affects_results": False}
 
 
 class Section(BaseModel):
-    """A section of settings: immutable, without unknown keys, without conversion of types."""
+    """A section of settings: immutable, without unknown keys, without conversion of types.
+
+    In a mapping whose keys are names, an entry that is null is left out, so that a file can remove
+    what those before it define.
+    """
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _leave_out_null_entries(cls, settings: Any) -> Any:
+        if not isinstance(settings, dict):
+            return settings
+        kept = dict(settings)
+        for name, field in cls.model_fields.items():
+            entries = settings.get(name)
+            if get_origin(field.annotation) is dict and isinstance(entries, dict):
+                kept[name] = {key: entry for key, entry in entries.items() if entry is not None}
+        return kept
 
     def settings_that_affect_results(self) -> dict[str, Any]:
         """The settings by name, without those that are declared with NO_EFFECT."""

@@ -38,7 +38,7 @@ def validate(settings: Any) -> Config:
         )
     check_json_value(settings, "config")
     try:
-        return Config.model_validate_json(json.dumps(drop_nulls(settings)))
+        return Config.model_validate_json(json.dumps(settings))
     except ValidationError as error:
         raise ConfigError(explain(error, Config)) from None
 
@@ -53,13 +53,6 @@ def merge(base: dict[str, Any], overlay: dict[str, Any]) -> dict[str, Any]:
         both = value and isinstance(value, dict) and isinstance(merged.get(key), dict)
         merged[key] = merge(merged[key], value) if both else value
     return merged
-
-
-def drop_nulls(settings: Any) -> Any:
-    """Return settings without the keys that are null: their defaults hold."""
-    if isinstance(settings, dict):
-        return {key: drop_nulls(value) for key, value in settings.items() if value is not None}
-    return settings
 
 
 def remove_keys(merged: dict[str, Any], layers: Sequence[dict[str, Any]]) -> dict[str, Any]:
