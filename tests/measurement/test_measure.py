@@ -176,8 +176,15 @@ def test_a_killed_measurement_resumes_with_the_same_table(tmp_path: Path, worker
     end = time.monotonic() + 120
     while not file.exists() and time.monotonic() < end:
         time.sleep(0.05)
+    children = subprocess.run(
+        ["pgrep", "--parent", str(process.pid)], capture_output=True, text=True
+    ).stdout.split()
+    assert len(children) == (int(workers) if workers != "1" else 0)
     process.kill()
     process.wait()
+    while any(Path(f"/proc/{child}").exists() for child in children) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert time.monotonic() < end, "a worker outlived its parent"
     kept = len(Measurement.load(file))
     assert 0 < kept < 2000
     resumed = measure(Slow(wall=1), n=kept + 10, length=5, resume=file)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
+import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
@@ -119,8 +121,19 @@ _worker: tuple[World, Protocol]
 """World and protocol of this process, if it is a worker."""
 
 
+PR_SET_PDEATHSIG = 1
+"""From linux/prctl.h."""
+
+
+def _end_with_parent() -> None:
+    """Let the system end this process when its parent is killed, which cannot do so itself."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
 def _start_worker(make_world: Callable[[], Any], protocol: Protocol) -> None:
     global _worker
+    _end_with_parent()
     if "torch" in sys.modules:  # threads do not survive a fork
         sys.modules["torch"].set_num_threads(1)
     world: Any = make_world()
