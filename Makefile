@@ -95,7 +95,7 @@ pages: $(READY)  ## rewrite what pages show of results/paper: the claims, and th
 	$(BIN)/python docs/_generate/results.py
 	$(BIN)/python docs/_generate/run_notebooks.py
 
-lock: $(READY)  ## pin the environment anew (needs uv)
+lock: $(READY)  ## pin the environment again (needs uv)
 	uv pip compile -q --universal --no-header --python-version 3.11 pyproject.toml --extra workflow --extra slurm --extra environments --extra xacro --extra docs --extra test \
 		--custom-compile-command "make lock" -o requirements.lock
 

@@ -122,7 +122,7 @@ def complete_navigation(nav: list[Any], pages: list[str]) -> list[Any]:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Make claims anew, and links valid on the site."""
+    """Regenerate the claims, and make links valid on the site."""
     if page.file.src_uri == "results.md":
         markdown = results.with_claims(markdown, results.read_claims())
     if page.file.src_uri.startswith("reference/"):

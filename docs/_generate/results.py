@@ -2,7 +2,7 @@
 
     python docs/_generate/results.py         rewrites the block between the marks in docs/results.md
 
-``make pages`` runs it. The site makes the block anew whenever it is built.
+``make pages`` runs it. The block is regenerated whenever the site is built.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ def read_claims(file: Path = TABLE) -> pd.DataFrame:
 
 
 def with_claims(page: str, claims: pd.DataFrame) -> str:
-    """The page with the block between the marks made anew."""
+    """The page with the block between the markers regenerated."""
     before, start, rest = page.partition(START)
     _, end, after = rest.partition(END)
     if not start or not end:

@@ -126,7 +126,7 @@ def write_manifest(path: Path) -> tuple[int, int]:
         try:
             digest = sha256(run / name)
             old = old_hashes.get(name, digest)
-            if old != digest and not is_made_anew(run / name, manifest_time):
+            if old != digest and not was_recomputed(run / name, manifest_time):
                 digest = old
         except OSError as error:
             raise UserError(
@@ -149,7 +149,7 @@ def write_manifest(path: Path) -> tuple[int, int]:
     return len(lines) - kept, kept
 
 
-def is_made_anew(path: Path, manifest_time: int) -> bool:
+def was_recomputed(path: Path, manifest_time: int) -> bool:
     """Whether a file that has not its checksum was made again, rather than damaged.
 
     Its own hash decides, since clocks may be wrong. Without one it must have been written after the

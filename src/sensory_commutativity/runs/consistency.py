@@ -6,7 +6,7 @@ tables, or a report that was made before them. Checked are
 - the provenance of all files: one profile, root seed, configuration and commit;
 - every file against the settings of the run: is it complete, and computed with them;
 - what every file says it was computed from against the files that are there;
-- every figure against one drawn anew from the tables (:mod:`.redraw`);
+- every figure against one redrawn from the tables (:mod:`.redraw`);
 - the pictures in the report against the figures.
 """
 

@@ -15,7 +15,7 @@ from ..errors import UserError
 from ..storage.files import check_regular_file, printable, read_bounded
 from ..storage.hashing import sha256
 from ..storage.seal import is_intact
-from .checksums import MANIFEST, is_made_anew, read_manifest
+from .checksums import MANIFEST, read_manifest, was_recomputed
 from .entries import FOLDERS, find_link, is_result, list_files, list_irregular
 
 MAX_BYTES = 200_000_000
@@ -115,8 +115,8 @@ def _compare_with_checksum(
     try:
         if sha256(path) == expected:
             return None
-        if is_made_anew(path, manifest_time):
-            return BadFile(name, "changed", "does not have its checksum, but is whole: made anew")
+        if was_recomputed(path, manifest_time):
+            return BadFile(name, "changed", "does not have its checksum, but is whole: recomputed")
     except OSError as error:
         return BadFile(name, "damaged", f"cannot be read ({error.strerror})")
     return BadFile(name, "damaged", "does not have its checksum")
