@@ -100,7 +100,6 @@ class GymnasiumWorld:
     accept : callable, optional
         Takes the Events on the way to a start, and says whether to use it; e.g. to start near
         objects. Starts are drawn until one is accepted.
-
     approach : callable, optional
         In place of random actions on the way to a start: takes all sensors, flattened, and a
         generator, and returns the next action, float (n,).

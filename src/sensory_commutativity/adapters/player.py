@@ -13,6 +13,7 @@ from .simulators import ContactReader, MotionReader
 from .snapshots import ForkSnapshots, Snapshots, flatten_observation
 
 NOTHING = np.zeros(0)
+"""In place of commands where none is given."""
 QUIET_STEPS = 3
 """Steps in a row in which nothing moves that is sensed: then the environment is still. Chosen."""
 
